@@ -1,0 +1,2 @@
+//! Makes bodies from CC0 data.
+fn main() {}

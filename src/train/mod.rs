@@ -1,0 +1,1 @@
+//! What trains and illustrates the product; native only, never in the wasm module.
