@@ -1,46 +1,47 @@
-//! Bytes to a [`Shape`](crate::Shape), whatever the format.
+//! Bytes to a [`Shape`], whatever the format.
+//!
+//! Every reader bounds what it allocates by the bytes that are there, never by a count the file claims, and says where it
+//! stopped. Point `i` of the shape is point `i` of the file.
+
+mod error;
+mod format;
+mod gltf;
+mod obj;
+mod off;
+mod ply;
+mod polygons;
+mod text;
+
+pub use error::{Place, ReadError};
+pub use format::Format;
 
 use crate::error::Error;
-use crate::shape::Shape;
+use crate::shape::{Repair, Shape};
 
-/// File formats that can be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Object File Format, text.
-    Off,
-    /// Stanford polygon format, text or binary of either byte order.
-    Ply,
-    /// Wavefront OBJ, text.
-    Obj,
-    /// Binary glTF 2.0.
-    Glb,
-}
-
-/// Why bytes could not be read as a scan.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReadError {
-    /// No bytes at all.
-    #[error("the file is empty")]
-    Empty,
-}
-
-impl ReadError {
-    /// Stable machine-readable name.
-    pub fn code(&self) -> &'static str {
-        match self {
-            ReadError::Empty => "empty-file",
-        }
-    }
-
-    /// The numbers behind the sentence.
-    pub fn details(&self) -> serde_json::Value {
-        serde_json::json!({})
-    }
+/// What a file says, before it is validated as a shape.
+#[derive(Debug, Default)]
+struct Draft {
+    points: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+    labels: Option<Vec<u32>>,
+    repairs: Vec<Repair>,
 }
 
 /// Reads a scan. The format is `format` if given, else found from the bytes, else from the extension of `name`.
 pub fn read(bytes: &[u8], name: Option<&str>, format: Option<Format>) -> Result<Shape, Error> {
-    let _ = (bytes, name, format);
-    Err(ReadError::Empty.into())
+    if bytes.is_empty() {
+        return Err(ReadError::Empty.into());
+    }
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes); // a byte order mark says nothing a reader needs
+    let format = match format.or_else(|| Format::of_bytes(bytes)).or_else(|| name.and_then(Format::of_name)) {
+        Some(format) => format,
+        None => return Err(ReadError::unknown_format(bytes).into()),
+    };
+    let Draft { points, faces, labels, repairs } = match format {
+        Format::Off => off::read(bytes)?,
+        Format::Ply => ply::read(bytes)?,
+        Format::Obj => obj::read(bytes)?,
+        Format::Glb | Format::Gltf => gltf::read(bytes)?,
+    };
+    Ok(Shape::with_repairs(points, faces, labels, repairs)?)
 }

@@ -1,9 +1,26 @@
 //! A scan, validated once: points, optional triangles, optional part labels.
 
-use serde::{Deserialize, Serialize};
+mod error;
+mod faces;
+mod repair;
+mod spread;
+
+pub use error::ShapeError;
+pub use repair::Repair;
+
+pub(crate) use repair::counted;
 
 /// Fewest points a shape may have (below it no spectrum worth the name exists).
 pub const MIN_POINTS: usize = 50;
+
+/// Most points a shape may have: an edge is packed into one word as two 31-bit indices and a direction.
+pub const MAX_POINTS: usize = 1 << 31;
+
+/// Largest coordinate: squared areas and their sums stay far inside f64.
+pub const MAX_COORDINATE: f64 = 1e30;
+
+/// Smallest diagonal of the bounding box, for the same reason at the other end.
+pub const MIN_EXTENT: f64 = 1e-30;
 
 /// A mesh (`faces` not empty) or a point cloud. Points keep the order and the number they were uploaded
 /// with: index `i` here is index `i` for the user, whatever was repaired.
@@ -15,54 +32,55 @@ pub struct Shape {
     repairs: Vec<Repair>,
 }
 
-/// One kind of thing that was changed or set aside to make a shape out of an upload.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Repair {
-    /// Stable name: `"degenerate-faces"`, `"polygons-triangulated"`, …
-    pub code: String,
-    /// How many times.
-    pub count: usize,
-    /// A sentence for a person.
-    pub message: String,
-}
-
-/// Why points, faces and labels do not make a shape.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShapeError {
-    /// Fewer than [`MIN_POINTS`].
-    #[error("the scan has {found} points; at least {needed} are needed")]
-    TooFewPoints {
-        /// Points in the upload.
-        found: usize,
-        /// [`MIN_POINTS`].
-        needed: usize,
-    },
-}
-
-impl ShapeError {
-    /// Stable machine-readable name.
-    pub fn code(&self) -> &'static str {
-        match self {
-            ShapeError::TooFewPoints { .. } => "too-few-points",
-        }
-    }
-
-    /// The numbers behind the sentence.
-    pub fn details(&self) -> serde_json::Value {
-        match self {
-            ShapeError::TooFewPoints { found, needed } => serde_json::json!({ "found": found, "needed": needed }),
-        }
-    }
-}
-
 impl Shape {
     /// Validates and, where that is safe, repairs. `faces` may be empty (a cloud); `labels`, if given, has one entry per point.
+    ///
+    /// Faces that carry no area are dropped; everything else that is odd is kept and reported in [`Shape::repairs`].
     pub fn new(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, labels: Option<Vec<u32>>) -> Result<Self, ShapeError> {
+        Self::with_repairs(points, faces, labels, Vec::new())
+    }
+
+    /// The same from flat arrays: `positions` holds x y z per point, `faces` three indices per triangle.
+    pub fn from_arrays(positions: &[f64], faces: &[u32], labels: Option<&[u32]>) -> Result<Self, ShapeError> {
+        let (points, rest) = positions.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(ShapeError::RaggedArray { array: "positions", length: positions.len() });
+        }
+        let (triangles, rest) = faces.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(ShapeError::RaggedArray { array: "faces", length: faces.len() });
+        }
+        Self::new(points.to_vec(), triangles.to_vec(), labels.map(<[u32]>::to_vec))
+    }
+
+    /// As [`Shape::new`], after `repairs` that a reader already had to make.
+    pub(crate) fn with_repairs(
+        points: Vec<[f64; 3]>,
+        mut faces: Vec<[u32; 3]>,
+        labels: Option<Vec<u32>>,
+        mut repairs: Vec<Repair>,
+    ) -> Result<Self, ShapeError> {
         if points.len() < MIN_POINTS {
             return Err(ShapeError::TooFewPoints { found: points.len(), needed: MIN_POINTS });
         }
-        Ok(Self { points, faces, labels, repairs: Vec::new() })
+        if points.len() > MAX_POINTS {
+            return Err(ShapeError::TooManyPoints { found: points.len(), limit: MAX_POINTS });
+        }
+        if let Some(labels) = labels.as_ref().filter(|l| l.len() != points.len()) {
+            return Err(ShapeError::LabelCount { labels: labels.len(), points: points.len() });
+        }
+        repairs.extend(spread::check(&points)?);
+        faces::check_indices(&faces, points.len())?;
+        faces::drop_degenerate(&points, &mut faces, &mut repairs);
+        let duplicates = duplicates(&points);
+        repairs.extend(Repair::counted("duplicate-points", duplicates, || {
+            format!(
+                "{} exactly where another one is; kept as they are",
+                counted(duplicates, "point lies", "points lie")
+            )
+        }));
+        faces::notice_topology(points.len(), &faces, &mut repairs);
+        Ok(Self { points, faces, labels, repairs })
     }
 
     /// Positions (n, 3) in the unit of the upload.
@@ -80,14 +98,21 @@ impl Shape {
         self.labels.as_deref()
     }
 
-    /// What was changed on the way in.
+    /// What was changed, set aside or noticed on the way in.
     pub fn repairs(&self) -> &[Repair] {
         &self.repairs
     }
 
-    /// The same points without their faces.
+    /// The same points without their faces. What was said about the upload stays said.
     pub fn without_faces(mut self) -> Self {
         self.faces.clear();
         self
     }
+}
+
+/// Points whose position an earlier point already has, exactly (−0 equals 0).
+fn duplicates(points: &[[f64; 3]]) -> usize {
+    let mut keys: Vec<[u64; 3]> = points.iter().map(|p| p.map(|c| (c + 0.0).to_bits())).collect();
+    keys.sort_unstable();
+    keys.windows(2).filter(|pair| pair[0] == pair[1]).count()
 }

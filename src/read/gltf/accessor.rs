@@ -1,0 +1,159 @@
+//! Numbers out of accessors, after every range they span has been checked.
+
+use std::borrow::Cow;
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use gltf::accessor::{DataType, Dimensions, Item, Iter};
+use gltf::{Accessor, Buffer, Document, buffer};
+
+use super::GLTF;
+use crate::read::error::{Place, ReadError};
+
+/// The data of each buffer, or why it cannot be had: that only matters once something is read from it.
+pub(super) struct Buffers<'a>(Vec<Result<Cow<'a, [u8]>, ReadError>>);
+
+impl<'a> Buffers<'a> {
+    pub fn of(document: &Document, blob: Option<&'a [u8]>, compression: Option<String>) -> Self {
+        Self(document.buffers().map(|buffer| load(&buffer, blob, compression.as_deref())).collect())
+    }
+
+    fn get(&self, buffer: &Buffer) -> Result<&[u8], ReadError> {
+        match &self.0[buffer.index()] {
+            Ok(data) => Ok(data),
+            Err(error) => Err(error.clone()),
+        }
+    }
+}
+
+fn load<'a>(buffer: &Buffer, blob: Option<&'a [u8]>, compression: Option<&str>) -> Result<Cow<'a, [u8]>, ReadError> {
+    let at = || Place::Object(format!("buffers[{}]", buffer.index()));
+    let data = match (buffer.source(), blob) {
+        (buffer::Source::Uri(uri), _) => match uri.strip_prefix("data:") {
+            Some(data) => Cow::Owned(decode(data).ok_or_else(|| ReadError::Malformed {
+                format: GLTF,
+                problem: "its data URI is not valid base64".to_owned(),
+                at: at(),
+            })?),
+            None => return Err(ReadError::ExternalBuffer { uri: uri.chars().take(200).collect() }),
+        },
+        (buffer::Source::Bin, Some(blob)) => Cow::Borrowed(blob),
+        (buffer::Source::Bin, None) => {
+            return Err(match compression {
+                Some(extension) => ReadError::UnsupportedExtension { extension: extension.to_owned() },
+                None => ReadError::MissingElement { format: GLTF, what: format!("data for buffer {}", buffer.index()) },
+            });
+        }
+    };
+    if data.len() < buffer.length() {
+        let (promised, found) = (buffer.length() as u64, data.len() as u64);
+        let what = format!("bytes in buffer {}", buffer.index());
+        return Err(ReadError::Truncated { format: GLTF, what, promised, found, at: at() });
+    }
+    Ok(data)
+}
+
+/// What follows `data:`, which must be base64.
+fn decode(uri: &str) -> Option<Vec<u8>> {
+    let (_, data) = uri.split_once(";base64,")?;
+    BASE64_STANDARD.decode(data).ok()
+}
+
+/// The points of a POSITION accessor: floats, or integers as KHR_mesh_quantization allows them.
+pub(super) fn positions(accessor: Accessor, buffers: &Buffers) -> Result<Vec<[f64; 3]>, ReadError> {
+    if accessor.dimensions() != Dimensions::Vec3 {
+        return Err(malformed(&accessor, "points need the type VEC3"));
+    }
+    let largest = match (accessor.normalized(), accessor.data_type()) {
+        (true, DataType::I8) => Some(127.0),
+        (true, DataType::U8) => Some(255.0),
+        (true, DataType::I16) => Some(32767.0),
+        (true, DataType::U16) => Some(65535.0),
+        _ => None,
+    };
+    let value = |c: f64| largest.map_or(c, |largest| (c / largest).max(-1.0));
+    Ok(match accessor.data_type() {
+        DataType::F32 => items::<[f32; 3]>(accessor, buffers)?.map(|p| p.map(f64::from)).collect(),
+        DataType::I8 => items::<[i8; 3]>(accessor, buffers)?.map(|p| p.map(|c| value(c.into()))).collect(),
+        DataType::U8 => items::<[u8; 3]>(accessor, buffers)?.map(|p| p.map(|c| value(c.into()))).collect(),
+        DataType::I16 => items::<[i16; 3]>(accessor, buffers)?.map(|p| p.map(|c| value(c.into()))).collect(),
+        DataType::U16 => items::<[u16; 3]>(accessor, buffers)?.map(|p| p.map(|c| value(c.into()))).collect(),
+        DataType::U32 => return Err(malformed(&accessor, "points cannot be stored as 32-bit integers")),
+    })
+}
+
+/// The corners an index accessor lists.
+pub(super) fn indices(accessor: Accessor, buffers: &Buffers) -> Result<Vec<u32>, ReadError> {
+    if accessor.dimensions() != Dimensions::Scalar {
+        return Err(malformed(&accessor, "indices need the type SCALAR"));
+    }
+    Ok(match accessor.data_type() {
+        DataType::U8 => items::<u8>(accessor, buffers)?.map(u32::from).collect(),
+        DataType::U16 => items::<u16>(accessor, buffers)?.map(u32::from).collect(),
+        DataType::U32 => items::<u32>(accessor, buffers)?.collect(),
+        _ => return Err(malformed(&accessor, "indices must be unsigned integers")),
+    })
+}
+
+/// The accessor's items, once it is certain that the crate's iterator stays inside the buffers.
+fn items<'a, T: Item>(
+    accessor: Accessor<'a>,
+    buffers: &'a Buffers,
+) -> Result<impl Iterator<Item = T> + use<'a, T>, ReadError> {
+    let count = accessor.count();
+    let size = size_of::<T>();
+    if count > 0 {
+        if let Some(view) = accessor.view() {
+            check(&accessor, &view, accessor.offset(), size, count, buffers)?;
+        }
+        if let Some(sparse) = accessor.sparse() {
+            if sparse.count() == 0 || sparse.count() > count {
+                return Err(malformed(&accessor, "it replaces none or more than all of its items"));
+            }
+            let (indices, values) = (sparse.indices(), sparse.values());
+            check(&accessor, &indices.view(), indices.offset(), indices.index_type().size(), sparse.count(), buffers)?;
+            check(&accessor, &values.view(), values.offset(), size, sparse.count(), buffers)?;
+        }
+    }
+    let data = |buffer: Buffer<'a>| buffers.get(&buffer).ok();
+    let iter = match count {
+        0 => None,
+        _ => Some(Iter::new(accessor.clone(), data).ok_or_else(|| malformed(&accessor, "it has no data"))?),
+    };
+    Ok(iter.into_iter().flatten().take(count))
+}
+
+/// `count` items of `size` bytes from `offset` on lie inside the view, and the view inside its buffer.
+fn check(
+    accessor: &Accessor,
+    view: &buffer::View,
+    offset: usize,
+    size: usize,
+    count: usize,
+    buffers: &Buffers,
+) -> Result<(), ReadError> {
+    let data = buffers.get(&view.buffer())?;
+    if view.offset().checked_add(view.length()).is_none_or(|end| end > data.len()) {
+        let problem = format!("it reaches beyond the {} bytes of buffer {}", data.len(), view.buffer().index());
+        let at = Place::Object(format!("bufferViews[{}]", view.index()));
+        return Err(ReadError::Malformed { format: GLTF, problem, at });
+    }
+    let stride = view.stride().unwrap_or(size);
+    if stride < size {
+        return Err(malformed(accessor, "its items overlap: the byte stride is smaller than an item"));
+    }
+    let room =
+        view.length().checked_sub(offset).and_then(|left| left.checked_sub(size)).map_or(0, |left| left / stride + 1);
+    if count > room {
+        let (promised, found) = (count as u64, room as u64);
+        let what = format!("items in accessor {}", accessor.index());
+        let at = Place::Object(format!("bufferViews[{}]", view.index()));
+        return Err(ReadError::Truncated { format: GLTF, what, promised, found, at });
+    }
+    Ok(())
+}
+
+fn malformed(accessor: &Accessor, problem: &str) -> ReadError {
+    let at = Place::Object(format!("accessors[{}]", accessor.index()));
+    ReadError::Malformed { format: GLTF, problem: problem.to_owned(), at }
+}

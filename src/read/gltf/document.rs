@@ -1,0 +1,125 @@
+//! The JSON of a glTF, reduced to its geometry, so that nothing wrong or new in a material, an image or an animation keeps a
+//! scan from being read.
+
+use gltf::Document;
+use serde_json::Value;
+
+use super::GLTF;
+use crate::read::error::{Place, ReadError};
+use crate::shape::{Repair, counted};
+
+/// A document whose indices are all valid.
+pub(super) struct Geometry {
+    pub document: Document,
+    /// A compression the file uses, required or not: the reason if data turns out to be missing.
+    pub compression: Option<String>,
+    /// What a viewer would show differently.
+    pub repairs: Vec<Repair>,
+}
+
+/// Extensions that may be required and change no point and no face.
+const HARMLESS: [&str; 7] =
+    ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"];
+
+/// What geometry needs of each object in the lists of the root.
+const KEPT: [(&str, &[&str]); 6] = [
+    ("accessors", &["bufferView", "byteOffset", "componentType", "count", "normalized", "sparse", "type"]),
+    ("bufferViews", &["buffer", "byteLength", "byteOffset", "byteStride"]),
+    ("buffers", &["byteLength", "uri"]),
+    ("meshes", &["primitives"]),
+    ("nodes", &["children", "matrix", "mesh", "rotation", "scale", "translation"]),
+    ("scenes", &["nodes"]),
+];
+
+pub(super) fn parse(json: &[u8]) -> Result<Geometry, ReadError> {
+    let mut root: Value = serde_json::from_slice(json).map_err(|e| ReadError::Malformed {
+        format: GLTF,
+        problem: format!("its JSON cannot be read: {e}"),
+        at: Place::Line(e.line()),
+    })?;
+    let version = root["asset"]["version"].as_str().unwrap_or("2.0");
+    if !version.starts_with("2.") {
+        let feature = format!("version {} of glTF", version.chars().take(10).collect::<String>());
+        return Err(ReadError::Unsupported { feature, cure: "save it as glTF 2.0" });
+    }
+    if let Some(extension) = names(&root, "extensionsRequired").find(|name| !is_supported(name)) {
+        return Err(ReadError::UnsupportedExtension { extension });
+    }
+    let compression = names(&root, "extensionsUsed").find(|n| n.contains("draco") || n.contains("meshopt"));
+    let repairs = unseen(&root);
+    reduce(&mut root);
+
+    let problem = |problem: String, at: String| match &compression {
+        Some(extension) => ReadError::UnsupportedExtension { extension: extension.clone() },
+        None => ReadError::Malformed { format: GLTF, problem, at: Place::Object(at) },
+    };
+    let root =
+        gltf::json::deserialize::from_value(root).map_err(|e| problem(e.to_string(), "the document".to_owned()))?;
+    let document = Document::from_json(root).map_err(|error| match error {
+        gltf::Error::Validation(errors) => match errors.first() {
+            Some((path, error)) => problem(error.to_string().to_lowercase(), path.to_string()),
+            None => problem("it is not valid".to_owned(), "the document".to_owned()),
+        },
+        other => problem(other.to_string(), "the document".to_owned()),
+    })?;
+    Ok(Geometry { document, compression, repairs })
+}
+
+fn list<'a>(object: &'a Value, key: &str) -> impl Iterator<Item = &'a Value> + use<'a> {
+    object[key].as_array().into_iter().flatten()
+}
+
+fn names(root: &Value, key: &str) -> impl Iterator<Item = String> {
+    list(root, key).filter_map(Value::as_str).map(|name| name.chars().take(80).collect())
+}
+
+fn is_supported(extension: &str) -> bool {
+    extension == "KHR_mesh_quantization" || HARMLESS.iter().any(|prefix| extension.starts_with(prefix))
+}
+
+/// Skins and morph targets move points in a viewer; here points stay as they are stored.
+fn unseen(root: &Value) -> Vec<Repair> {
+    let skins = list(root, "nodes").filter(|n| n.get("skin").is_some() && n.get("mesh").is_some()).count();
+    let primitives = list(root, "meshes").flat_map(|mesh| list(mesh, "primitives"));
+    let morphs = primitives.filter(|p| p.get("targets").is_some()).count();
+    let skins = Repair::counted("skins-ignored", skins, || {
+        format!("{} read in rest pose: the skeleton is not applied", counted(skins, "mesh", "meshes"))
+    });
+    let morphs = Repair::counted("morph-targets-ignored", morphs, || {
+        format!("{} read without its morph targets", counted(morphs, "primitive", "primitives"))
+    });
+    skins.into_iter().chain(morphs).collect()
+}
+
+/// Leaves only what [`KEPT`] names, and of primitives those with a POSITION.
+fn reduce(root: &mut Value) {
+    keep(root, &["asset", "accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes"]);
+    for (list, keys) in KEPT {
+        entries(root, list).for_each(|object| keep(object, keys));
+    }
+    if let Some(asset) = root.get_mut("asset") {
+        keep(asset, &["version"]);
+    }
+    for mesh in entries(root, "meshes") {
+        if let Some(primitives) = mesh.get_mut("primitives").and_then(Value::as_array_mut) {
+            primitives.retain(|p| p["attributes"].get("POSITION").is_some());
+        }
+        for primitive in entries(mesh, "primitives") {
+            keep(primitive, &["attributes", "indices", "mode"]);
+            primitive.get_mut("attributes").into_iter().for_each(|a| keep(a, &["POSITION"]));
+        }
+    }
+    for scene in entries(root, "scenes").filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    }
+}
+
+fn entries<'a>(object: &'a mut Value, list: &str) -> impl Iterator<Item = &'a mut Value> {
+    object.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+fn keep(value: &mut Value, keys: &[&str]) {
+    if let Some(object) = value.as_object_mut() {
+        object.retain(|key, _| keys.contains(&key.as_str()));
+    }
+}

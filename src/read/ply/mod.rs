@@ -1,0 +1,159 @@
+//! Stanford PLY: a text header that lists elements and their properties, then their values as text or binary.
+//!
+//! An own reader rather than ply-rs-bw: that one makes as many records as the header says of an element without properties (a
+//! hang, or all memory, from 80 bytes), and its errors are sentences without the numbers of vertices promised and found.
+
+mod body;
+mod header;
+
+use super::Draft;
+use super::error::{Place, ReadError};
+use super::polygons::Polygons;
+use crate::shape::{Repair, counted};
+use body::{Body, Fault};
+use header::{Element, Kind};
+
+const PLY: &str = "PLY";
+
+/// Names of the list of a face's corners, in the wild.
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// Reads `x y z` and `label` of the element `vertex` and the corners of the element `face`; the rest is passed over.
+pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
+    let (header, mut body) = header::read(bytes)?;
+    let mut vertices = None;
+    let mut polygons = Polygons::new(PLY, 0);
+    let mut repairs = Vec::new();
+    for element in &header.elements {
+        match element.name.as_str() {
+            "vertex" => vertices = Some(read_vertices(element, &mut body)?),
+            "face" => read_faces(element, &mut body, &mut polygons)?,
+            name => {
+                skip(element, &mut body)?;
+                let strips = if name == "tristrips" { element.count as usize } else { 0 };
+                repairs.extend(Repair::counted("triangle-strips", strips, || {
+                    "the faces of this PLY are stored as triangle strips, which are not read; save it with faces"
+                        .to_owned()
+                }));
+            }
+        }
+    }
+    let Some(Vertices { points, labels }) = vertices else {
+        return Err(ReadError::MissingElement { format: PLY, what: "element “vertex”".to_owned() });
+    };
+    let (faces, cut) = polygons.finish(points.len())?;
+    repairs.splice(0..0, cut);
+    let left = body.left();
+    repairs.extend(Repair::counted("trailing-data", left, || {
+        format!("{} after the last element this PLY announces not read", counted(left, "byte", "bytes"))
+    }));
+    let labels = labels.and_then(|labels| labels.given(&mut repairs));
+    Ok(Draft { points, faces, labels, repairs })
+}
+
+struct Vertices {
+    points: Vec<[f64; 3]>,
+    labels: Option<Labels>,
+}
+
+/// The property `label`, until a value turns up that cannot be one.
+#[derive(Default)]
+struct Labels {
+    values: Vec<u32>,
+    unfit: Option<(usize, f64)>,
+}
+
+impl Labels {
+    fn push(&mut self, point: usize, value: f64) {
+        if value.fract() == 0.0 && (0.0..f64::from(u32::MAX)).contains(&value) {
+            self.values.push(value as u32);
+        } else if self.unfit.is_none() {
+            self.unfit = Some((point, value));
+        }
+    }
+
+    fn given(self, repairs: &mut Vec<Repair>) -> Option<Vec<u32>> {
+        let Some((point, value)) = self.unfit else { return Some(self.values) };
+        repairs.extend(Repair::counted("labels-ignored", 1, || {
+            format!("the label {value} of point {point} is not a whole number from 0 on, so no labels are used")
+        }));
+        None
+    }
+}
+
+fn read_vertices(element: &Element, body: &mut Body) -> Result<Vertices, ReadError> {
+    let column =
+        |name: &str| element.properties.iter().position(|p| p.name == name && matches!(p.kind, Kind::Scalar(_)));
+    let mut axes = [0; 3];
+    for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
+        *axis = column(name).ok_or_else(|| ReadError::MissingElement {
+            format: PLY,
+            what: format!("property “{name}” of the element “vertex”"),
+        })?;
+    }
+    let label = column("label");
+    let mut points = Vec::with_capacity(body.room_for(element));
+    let mut labels = label.map(|_| Labels::default());
+    let mut row = vec![0.0; element.properties.len()];
+    for found in 0..element.count {
+        read_row(element, body, &mut row, None).map_err(|fault| body.error(fault, element, found))?;
+        if let (Some(label), Some(labels)) = (label, &mut labels) {
+            labels.push(points.len(), row[label]);
+        }
+        points.push(axes.map(|axis| row[axis]));
+    }
+    Ok(Vertices { points, labels })
+}
+
+fn read_faces(element: &Element, body: &mut Body, polygons: &mut Polygons) -> Result<(), ReadError> {
+    if element.count == 0 {
+        return Ok(());
+    }
+    let list = element.properties.iter().position(|p| CORNERS.contains(&p.name.as_str()));
+    let Some(list) = list.filter(|&i| matches!(element.properties[i].kind, Kind::List { .. })) else {
+        let what = "list “vertex_indices” of the element “face”".to_owned();
+        return Err(ReadError::MissingElement { format: PLY, what });
+    };
+    polygons.reserve(body.room_for(element));
+    let mut row = vec![0.0; element.properties.len()];
+    let mut corners = Vec::new();
+    for found in 0..element.count {
+        let at = read_row(element, body, &mut row, Some((list, &mut corners)))
+            .map_err(|fault| body.error(fault, element, found))?;
+        polygons.push(&corners, at);
+    }
+    Ok(())
+}
+
+/// Passes over an element. One without properties has no values, however many of it there are.
+fn skip(element: &Element, body: &mut Body) -> Result<(), ReadError> {
+    let mut row = vec![0.0; element.properties.len()];
+    let rows = if element.properties.is_empty() { 0 } else { element.count };
+    for found in 0..rows {
+        read_row(element, body, &mut row, None).map_err(|fault| body.error(fault, element, found))?;
+    }
+    Ok(())
+}
+
+/// One record: scalars into `row`, the list with index `wanted.0` into `wanted.1`. Says where the record begins.
+fn read_row(
+    element: &Element,
+    body: &mut Body,
+    row: &mut [f64],
+    mut wanted: Option<(usize, &mut Vec<i64>)>,
+) -> Result<Place, Fault> {
+    let at = body.begin()?;
+    for (i, property) in element.properties.iter().enumerate() {
+        match property.kind {
+            Kind::Scalar(scalar) => row[i] = body.scalar(scalar)?,
+            Kind::List { count, item } => {
+                let length = body.count(count)?;
+                match &mut wanted {
+                    Some((list, items)) if *list == i => body.list(item, length, items)?,
+                    _ => body.skip(item, length)?,
+                }
+            }
+        }
+    }
+    Ok(at)
+}

@@ -1,0 +1,120 @@
+//! Triangles that can carry an area, and what the ones that stay look like together.
+
+use super::error::ShapeError;
+use super::repair::{Repair, counted};
+use super::spread::{cross, minus, norm};
+
+/// Refuses a face that names a missing point.
+pub(super) fn check_indices(faces: &[[u32; 3]], points: usize) -> Result<(), ShapeError> {
+    for (face, corners) in faces.iter().enumerate() {
+        for (corner, &index) in corners.iter().enumerate() {
+            if index as usize >= points {
+                return Err(ShapeError::FaceIndex { face, corner, index, points });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Drops faces that name a point twice and faces without area, and reports each kind.
+pub(super) fn drop_degenerate(points: &[[f64; 3]], faces: &mut Vec<[u32; 3]>, repairs: &mut Vec<Repair>) {
+    let before = faces.len();
+    faces.retain(|[a, b, c]| a != b && b != c && c != a);
+    let repeated = before - faces.len();
+    faces.retain(|f| has_area(f.map(|i| points[i as usize])));
+    let flat = before - repeated - faces.len();
+
+    repairs.extend(Repair::counted("repeated-index-faces", repeated, || {
+        format!("{} naming the same point twice left out", counted(repeated, "face", "faces"))
+    }));
+    repairs.extend(Repair::counted("zero-area-faces", flat, || {
+        format!("{} without any area left out", counted(flat, "face", "faces"))
+    }));
+    repairs.extend(Repair::counted("no-faces-left", usize::from(before > 0 && faces.is_empty()), || {
+        format!("none of the {before} faces is usable, so the scan is taken as a point cloud")
+    }));
+}
+
+/// Whether a triangle is higher than the rounding of its own coordinates: the height over the longest edge must exceed
+/// 4ε times the larger of that edge and the coordinates.
+fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
+    let (u, v, w) = (minus(b, a), minus(c, a), minus(c, b));
+    let edge = norm(u).max(norm(v)).max(norm(w));
+    let reach = a.iter().chain(&b).chain(&c).fold(edge, |m, x| m.max(x.abs()));
+    edge > 0.0 && norm(cross(u, v)) / edge > 4.0 * f64::EPSILON * reach
+}
+
+/// Reports, and keeps, what is odd about a mesh as a whole: points without a face, edges with more than two faces, neighbours
+/// that disagree about the outside, several pieces.
+pub(super) fn notice_topology(points: usize, faces: &[[u32; 3]], repairs: &mut Vec<Repair>) {
+    if faces.is_empty() {
+        return;
+    }
+    let mut used = vec![false; points];
+    faces.iter().flatten().for_each(|&i| used[i as usize] = true);
+    let unreferenced = used.iter().filter(|u| !**u).count();
+    repairs.extend(Repair::counted("unreferenced-points", unreferenced, || {
+        format!("{} to no face; kept as they are", counted(unreferenced, "point belongs", "points belong"))
+    }));
+
+    let (crowded, disagreeing) = odd_edges(faces);
+    repairs.extend(Repair::counted("non-manifold-edges", crowded, || {
+        format!("{} by more than two faces; kept as they are", counted(crowded, "edge is shared", "edges are shared"))
+    }));
+    repairs.extend(Repair::counted("inconsistent-winding", disagreeing, || {
+        format!(
+            "along {} the two faces disagree about which side is outside; kept as they are",
+            counted(disagreeing, "edge", "edges")
+        )
+    }));
+
+    let pieces = pieces(points, faces, &used);
+    repairs.extend(Repair::counted("separate-pieces", if pieces > 1 { pieces } else { 0 }, || {
+        format!("the mesh consists of {pieces} pieces that share no point")
+    }));
+}
+
+/// Edges with more than two faces, and edges whose two faces run along them in the same direction.
+fn odd_edges(faces: &[[u32; 3]]) -> (usize, usize) {
+    // One sortable word per side of a face: smaller end, larger end, direction (points are below 2³¹).
+    let mut sides = Vec::with_capacity(3 * faces.len());
+    for &[a, b, c] in faces {
+        for (i, j) in [(a, b), (b, c), (c, a)] {
+            sides.push(u64::from(i.min(j)) << 32 | u64::from(i.max(j)) << 1 | u64::from(i > j));
+        }
+    }
+    sides.sort_unstable();
+    let mut crowded = 0;
+    let mut disagreeing = 0;
+    for edge in sides.chunk_by(|a, b| a >> 1 == b >> 1) {
+        match edge {
+            [first, second] => disagreeing += usize::from(first == second),
+            [_] => {}
+            _ => crowded += 1,
+        }
+    }
+    (crowded, disagreeing)
+}
+
+/// Connected components of the points in use, by union-find with path halving.
+fn pieces(points: usize, faces: &[[u32; 3]], used: &[bool]) -> usize {
+    let mut parent: Vec<u32> = (0..points as u32).collect();
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    let mut pieces = used.iter().filter(|u| **u).count();
+    for &[a, b, c] in faces {
+        for other in [b, c] {
+            let (x, y) = (root(&mut parent, a), root(&mut parent, other));
+            if x != y {
+                parent[x.max(y) as usize] = x.min(y);
+                pieces -= 1;
+            }
+        }
+    }
+    pieces
+}
