@@ -80,7 +80,8 @@ function indices(what: 'faces' | 'labels', values: ArrayInput['faces' | 'labels'
 
 const isIndex = (value: unknown): boolean => typeof value === 'number' && value >>> 0 === value;
 
-const isObject = (value: unknown): value is object => typeof value === 'object' && value !== null;
+/** Neither a primitive nor null. */
+export const isObject = (value: unknown): value is object => typeof value === 'object' && value !== null;
 
 /** `'Float32Array'`, `'Blob'`, …: the type by name, so that objects of another realm (a frame, a test runner) count too. */
 const tagOf = (value: unknown): string => Object.prototype.toString.call(value).slice(8, -1);

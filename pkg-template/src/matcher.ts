@@ -2,7 +2,7 @@
 import { disposable } from './disposable.js';
 import { GeoSeError } from './error.js';
 import { WorkerHost } from './host.js';
-import { laplacianOf, nothingElse, optionsOf, sourceOf, wrong } from './input.js';
+import { isObject, laplacianOf, nothingElse, optionsOf, sourceOf, wrong } from './input.js';
 import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions, ReadOptions, ShapeInput, SpectrumOptions } from './options.js';
 import { blockOf, PreparedShape, preparedFrom } from './prepared.js';
 import { buffersOf, type Prepared, type Source } from './protocol.js';
@@ -30,6 +30,7 @@ export class Matcher {
 
   /** Loads the wasm and starts the worker. In Node the worker keeps the process alive only while a call is open. */
   static async create(options: MatcherOptions = {}): Promise<Matcher> {
+    if (!isObject(options)) throw wrong('the options', 'an object', options);
     const { device = 'auto', wasm, worker, ...rest } = options;
     nothingElse('the options', rest, ['device', 'wasm', 'worker']);
     const chosen = choose(device);
