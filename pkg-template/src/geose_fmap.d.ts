@@ -1,0 +1,36 @@
+// What wasm-pack puts into geose_fmap.js, typed as tightly as the crate promises it. All of it is synchronous; a typed
+// error is a plain `{ code, message, details }`, anything else thrown is a trap.
+import type { Laplacian, LaplacianKind, Match, Spectrum, Stage } from './results.js';
+import type { MatchOptions, PrepareOptions } from './options.js';
+
+type Bytes = Uint8Array<ArrayBuffer>;
+type Progress = (stage: Stage, fraction: number) => void;
+
+export function initSync(module: { module: WebAssembly.Module }): unknown;
+
+/** A shape in wasm memory. */
+export class RawShape {
+  free(): void;
+}
+
+export function read_file(bytes: Uint8Array, name: string | undefined, format: string | undefined): RawShape;
+export function read_arrays(positions: Float64Array, faces: Uint32Array | undefined, labels: Uint32Array | undefined): RawShape;
+/** Consumes `shape`, also when it throws. */
+export function prepare(shape: RawShape, options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>, progress: Progress): Bytes;
+/** Consumes `shape`, also when it throws. */
+export function laplacian(shape: RawShape, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
+export function laplacian_of_prepared(block: Uint8Array, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
+export function spectrum(
+  indptr: Uint32Array,
+  indices: Uint32Array,
+  values: Float64Array,
+  mass: Float64Array,
+  options: { eigenpairs?: number | undefined },
+  progress: Progress,
+): Spectrum;
+export function match_pair(a: Uint8Array, b: Uint8Array, options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>, progress: Progress): Match;
+export function version(): string;
+/** Size of the wasm memory. */
+export function memory_bytes(): number;
+/** A real trap, to test recovery with. */
+export function trap(): never;

@@ -1,0 +1,161 @@
+import { GeoSeError } from './error.js';
+import type { CallOptions } from './options.js';
+import type { Call, CallName, CallOf, Calls, FromWorker } from './protocol.js';
+import type { Spawn, Thread } from './thread.js';
+
+/** A call that has not been settled. */
+interface Job {
+  readonly id: number;
+  readonly call: Call;
+  readonly transfer: ArrayBuffer[];
+  onProgress: CallOptions['onProgress'];
+  resolve(answer: unknown): void;
+  reject(error: GeoSeError): void;
+  /** Stops listening to the signal. */
+  forget(): void;
+}
+
+/**
+ * Runs calls one after another in a worker of its own. wasm cannot be interrupted, so a cancelled call ends the worker, and
+ * a crash does too; the next call starts another one from the compiled module. Nothing that outlives a call is kept there.
+ */
+export class WorkerHost {
+  readonly #module: WebAssembly.Module;
+  readonly #spawn: Spawn;
+  /** The first one runs, the others wait. */
+  readonly #jobs: Job[] = [];
+  #thread: Thread | undefined;
+  /** Whether the thread has ever said anything. */
+  #ready = false;
+  #lastId = 0;
+  #disposed = false;
+
+  constructor(module: WebAssembly.Module, spawn: Spawn) {
+    this.#module = module;
+    this.#spawn = spawn;
+  }
+
+  /** Settles once. The buffers in `transfer` move to the worker: they must be private copies. */
+  run<N extends CallName>(call: CallOf<N>, { signal, onProgress }: CallOptions = {}, transfer: ArrayBuffer[] = []): Promise<Calls[N]['answer']> {
+    if (this.#disposed) return Promise.reject(disposed());
+    if (signal?.aborted) return Promise.reject(cancelled(signal));
+    return new Promise((resolve, reject) => {
+      const abort = () => this.#cancel(job, cancelled(signal));
+      signal?.addEventListener('abort', abort);
+      const job: Job = {
+        id: ++this.#lastId,
+        call: call as Call,
+        transfer,
+        onProgress,
+        resolve: resolve as (answer: unknown) => void,
+        reject,
+        forget: () => signal?.removeEventListener('abort', abort),
+      };
+      this.#jobs.push(job);
+      if (this.#jobs[0] === job) this.#begin();
+    });
+  }
+
+  /** Ends the worker; every open and later call rejects. */
+  dispose(): void {
+    this.#disposed = true;
+    this.#stop();
+    for (const job of this.#jobs.splice(0)) {
+      job.forget();
+      job.reject(disposed());
+    }
+  }
+
+  #begin(): void {
+    const job = this.#jobs[0];
+    this.#thread?.keepAlive(job !== undefined);
+    if (!job) return;
+    try {
+      this.#thread ??= this.#start();
+    } catch (error) {
+      return this.#end(unavailable(messageOf(error)));
+    }
+    try {
+      this.#thread.post({ type: 'call', id: job.id, call: job.call }, job.transfer);
+    } catch (error) {
+      // Everything in a call can be cloned, so only memory can be short.
+      this.#end(new GeoSeError('out-of-memory', `the call could not be handed to the worker: ${messageOf(error)}`));
+    }
+  }
+
+  #start(): Thread {
+    this.#ready = false;
+    const thread = this.#spawn({
+      message: (message) => this.#hear(message),
+      died: (reason) => this.#end(this.#ready ? crashed(reason) : unavailable(reason)),
+    });
+    thread.post({ type: 'start', module: this.#module });
+    return thread;
+  }
+
+  #stop(): void {
+    this.#thread?.stop();
+    this.#thread = undefined;
+  }
+
+  #hear(message: FromWorker): void {
+    this.#ready = true;
+    if (message.type === 'ready') return;
+    if (message.type === 'crashed') return this.#end(new GeoSeError(message.code, message.message, message.details));
+    const job = this.#jobs[0];
+    if (job?.id !== message.id) return;
+    if (message.type === 'progress') return tell(job, message);
+    this.#remove(job);
+    if (message.type === 'done') job.resolve(message.answer);
+    else job.reject(new GeoSeError(message.error.code, message.error.message, message.error.details));
+  }
+
+  #cancel(job: Job, error: GeoSeError): void {
+    if (job === this.#jobs[0]) return this.#end(error);
+    this.#remove(job);
+    job.reject(error);
+  }
+
+  /** Ends the worker and with it the running call. */
+  #end(error: GeoSeError): void {
+    this.#stop();
+    const job = this.#jobs[0];
+    if (!job) return;
+    this.#remove(job);
+    job.reject(error);
+  }
+
+  /** Takes a call off the list; after the running one the next begins. */
+  #remove(job: Job): void {
+    const at = this.#jobs.indexOf(job);
+    this.#jobs.splice(at, 1);
+    job.forget();
+    if (at === 0) this.#begin();
+  }
+}
+
+/** A listener that throws is its owner's problem, not the call's: the error is reported as uncaught and the listener left alone. */
+function tell(job: Job, { stage, fraction }: Extract<FromWorker, { type: 'progress' }>): void {
+  try {
+    job.onProgress?.({ stage, fraction });
+  } catch (error) {
+    job.onProgress = undefined;
+    if (typeof reportError === 'function') reportError(error);
+    else console.error(error);
+  }
+}
+
+const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
+const disposed = () => new GeoSeError('disposed', 'the matcher was disposed of');
+
+const cancelled = (signal: AbortSignal | undefined) => new GeoSeError('cancelled', 'the call was cancelled', {}, { cause: signal?.reason });
+
+const crashed = (reason: string) => new GeoSeError('crashed', `the worker died: ${reason}`, { reason });
+
+const unavailable = (reason: string) =>
+  new GeoSeError(
+    'worker-unavailable',
+    `the worker could not be started: ${reason}. Is worker.js served beside the package's other files, or named in the option \`worker\`?`,
+    { reason },
+  );

@@ -1,0 +1,89 @@
+// What callers hand in: checked for its type and copied before the call returns. Whether it makes a shape is the matcher's to say.
+import { GeoSeError } from './error.js';
+import type { ArrayInput, CallOptions, ReadOptions, ShapeInput } from './options.js';
+import type { Calls, Source } from './protocol.js';
+import type { Laplacian } from './results.js';
+
+/** A private copy of a scan. */
+export function sourceOf(input: ShapeInput, { name, format }: ReadOptions): Source {
+  if (is<Blob>(input, 'Blob', 'File')) {
+    return { from: 'file', file: input, name: name ?? ('name' in input ? String(input.name) : undefined), format };
+  }
+  if (is<Uint8Array>(input, 'Uint8Array')) return { from: 'file', file: new Uint8Array(input), name, format };
+  if (is<ArrayBuffer>(input, 'ArrayBuffer')) return { from: 'file', file: new Uint8Array(input.slice(0)), name, format };
+  if (!isObject(input) || !('positions' in input)) {
+    throw wrong('the scan', 'the bytes of a file (Uint8Array, ArrayBuffer or Blob) or { positions, faces, labels }', input);
+  }
+  const { positions, faces, labels, ...rest } = input;
+  nothingElse('the scan', rest, ['positions', 'faces', 'labels']);
+  return { from: 'arrays', positions: coordinates(positions), faces: indices('faces', faces), labels: indices('labels', labels) };
+}
+
+/** A private copy of a Laplacian's arrays. */
+export function laplacianOf(input: Omit<Laplacian, 'kind'>): Calls['spectrum']['ask']['laplacian'] {
+  if (!isObject(input)) throw wrong('the laplacian', '{ indptr, indices, values, mass }', input);
+  const { indptr, indices, values, mass } = input;
+  for (const [what, array] of Object.entries({ indptr, indices })) {
+    if (!is<Uint32Array>(array, 'Uint32Array')) throw wrong(what, 'a Uint32Array', array);
+  }
+  for (const [what, array] of Object.entries({ values, mass })) {
+    if (!is<Float64Array>(array, 'Float64Array')) throw wrong(what, 'a Float64Array', array);
+  }
+  return { indptr: indptr.slice(), indices: indices.slice(), values: values.slice(), mass: mass.slice() };
+}
+
+/** Options taken apart: what concerns the call, and a private copy of the rest, which the matcher checks. */
+export function optionsOf<T extends CallOptions>(options: T | undefined): { call: CallOptions; rest: Omit<T, keyof CallOptions> } {
+  if (options !== undefined && !isObject(options)) throw wrong('the options', 'an object', options);
+  const { signal, onProgress, ...others } = options ?? ({} as T);
+  if (signal !== undefined && !is<AbortSignal>(signal, 'AbortSignal')) throw wrong('signal', 'an AbortSignal', signal);
+  if (onProgress !== undefined && typeof onProgress !== 'function') throw wrong('onProgress', 'a function', onProgress);
+  const given = Object.entries(others).filter(([, value]) => value !== undefined);
+  try {
+    return { call: { signal, onProgress }, rest: structuredClone(Object.fromEntries(given)) as Omit<T, keyof CallOptions> };
+  } catch (cause) {
+    throw new GeoSeError('invalid-argument', `the options must be plain data: ${given.map(([key]) => key).join(', ')}`, {}, { cause });
+  }
+}
+
+/** A typo would otherwise be a silent default. */
+export function nothingElse(what: string, rest: object, known: readonly string[]): void {
+  const unknown = Object.keys(rest);
+  if (unknown.length === 0) return;
+  throw new GeoSeError('invalid-argument', `${what} may have ${known.join(', ')}, but not ${unknown.join(', ')}`, { unknown, known });
+}
+
+/** The error for an argument of the wrong type. */
+export function wrong(what: string, wanted: string, found: unknown): GeoSeError {
+  const got = isObject(found) ? tagOf(found) : typeof found === 'string' ? JSON.stringify(found.slice(0, 40)) : String(found);
+  return new GeoSeError('invalid-argument', `${what} must be ${wanted}, not ${got}`, { argument: what, wanted, got });
+}
+
+function coordinates(positions: ArrayInput['positions']): Float64Array<ArrayBuffer> {
+  if (is<Float32Array | Float64Array>(positions, 'Float32Array', 'Float64Array')) return new Float64Array(positions);
+  if (!Array.isArray(positions)) throw wrong('positions', 'a Float32Array, a Float64Array or an array of numbers', positions);
+  const at = positions.findIndex((value) => typeof value !== 'number');
+  if (at >= 0) throw wrong(`positions[${at}]`, 'a number', positions[at]);
+  return new Float64Array(positions);
+}
+
+function indices(what: 'faces' | 'labels', values: ArrayInput['faces' | 'labels']): Uint32Array<ArrayBuffer> | undefined {
+  if (values === undefined || values === null) return undefined;
+  if (is<Uint32Array | Uint16Array | Uint8Array>(values, 'Uint32Array', 'Uint16Array', 'Uint8Array')) return new Uint32Array(values);
+  if (!is<Int32Array>(values, 'Int32Array') && !Array.isArray(values)) {
+    throw wrong(what, 'a Uint32Array, Uint16Array, Uint8Array, Int32Array or an array of numbers', values);
+  }
+  const at = values.findIndex((value: unknown) => !isIndex(value));
+  if (at >= 0) throw wrong(`${what}[${at}]`, 'a whole number from 0 to 4294967295', values[at]);
+  return new Uint32Array(values);
+}
+
+const isIndex = (value: unknown): boolean => typeof value === 'number' && value >>> 0 === value;
+
+/** Neither a primitive nor null. */
+export const isObject = (value: unknown): value is object => typeof value === 'object' && value !== null;
+
+/** `'Float32Array'`, `'Blob'`, …: the type by name, so that objects of another realm (a frame, a test runner) count too. */
+const tagOf = (value: unknown): string => Object.prototype.toString.call(value).slice(8, -1);
+
+const is = <T>(value: unknown, ...tags: string[]): value is T => isObject(value) && tags.includes(tagOf(value));

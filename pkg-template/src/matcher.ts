@@ -1,0 +1,116 @@
+/// <reference lib="esnext.disposable" preserve="true" />
+import { disposable } from './disposable.js';
+import { GeoSeError } from './error.js';
+import { WorkerHost } from './host.js';
+import { isObject, laplacianOf, nothingElse, optionsOf, sourceOf, wrong } from './input.js';
+import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions, ReadOptions, ShapeInput, SpectrumOptions } from './options.js';
+import { blockOf, PreparedShape, preparedFrom } from './prepared.js';
+import { buffersOf, type Prepared, type Source } from './protocol.js';
+import type { Device, Laplacian, Match, Spectrum } from './results.js';
+import { spawner } from './thread.js';
+import { compile } from './wasm.js';
+
+/**
+ * Finds which point of one scan is which point of another. One worker does the work, one call after another. Inputs are
+ * copied when a call is made; results belong to the caller. Every rejection is a `GeoSeError`.
+ */
+export class Matcher {
+  /** Where the work happens, and why there. */
+  readonly device: Device;
+  readonly #host: WorkerHost;
+
+  static {
+    disposable(Matcher.prototype, 'dispose');
+  }
+
+  private constructor(host: WorkerHost, device: Device) {
+    this.#host = host;
+    this.device = device;
+  }
+
+  /** Loads the wasm and starts the worker. In Node the worker keeps the process alive only while a call is open. */
+  static async create(options: MatcherOptions = {}): Promise<Matcher> {
+    if (!isObject(options)) throw wrong('the options', 'an object', options);
+    const { device = 'auto', wasm, worker, ...rest } = options;
+    nothingElse('the options', rest, ['device', 'wasm', 'worker']);
+    const chosen = choose(device);
+    const [module, spawn] = await Promise.all([compile(wasm), spawner(worker)]);
+    const host = new WorkerHost(module, spawn);
+    try {
+      await host.run<'version'>({ name: 'version' });
+    } catch (error) {
+      host.dispose();
+      throw error;
+    }
+    return new Matcher(host, chosen);
+  }
+
+  /** Reads a scan, a file or arrays, and computes everything a match needs to know of it. */
+  async prepare(scan: ShapeInput, options?: PrepareOptions): Promise<PreparedShape> {
+    const { call, rest } = optionsOf(options);
+    const { source, others } = sourceAnd(scan, rest);
+    return preparedFrom(await this.#host.run<'prepare'>({ name: 'prepare', source, options: others }, call, buffersOf(source)));
+  }
+
+  /** Finds for every point of `a` its point of `b`, and back. */
+  async match(a: PreparedShape, b: PreparedShape, options?: MatchOptions): Promise<Match> {
+    const { call, rest } = optionsOf(options);
+    return this.#host.run<'match'>({ name: 'match', a: preparedBlock('a', a), b: preparedBlock('b', b), options: rest }, call);
+  }
+
+  /** The Laplacian of a scan or of a prepared shape. Every point counts, none is left out. */
+  async laplacian(shape: ShapeInput | PreparedShape, options?: LaplacianOptions): Promise<Laplacian> {
+    const { call, rest } = optionsOf(options);
+    if (shape instanceof PreparedShape) {
+      const source: Prepared = { from: 'prepared', block: blockOf(shape) };
+      return this.#host.run<'laplacian'>({ name: 'laplacian', source, options: rest }, call);
+    }
+    const { source, others } = sourceAnd(shape, rest);
+    return this.#host.run<'laplacian'>({ name: 'laplacian', source, options: others }, call, buffersOf(source));
+  }
+
+  /** The smallest eigenpairs of a Laplacian under its mass. */
+  async spectrum(laplacian: Omit<Laplacian, 'kind'>, options?: SpectrumOptions): Promise<Spectrum> {
+    const { call, rest } = optionsOf(options);
+    const copy = laplacianOf(laplacian);
+    return this.#host.run<'spectrum'>({ name: 'spectrum', laplacian: copy, options: rest }, call, buffersOf(copy));
+  }
+
+  /** Ends the worker. Open and later calls reject with code `'disposed'`; prepared shapes stay usable with another matcher. */
+  dispose(): void {
+    this.#host.dispose();
+  }
+
+  /** @internal For tests: traps inside the wasm. */
+  async [Symbol.for('geose-fmap.trap')](): Promise<never> {
+    return this.#host.run<'trap'>({ name: 'trap' });
+  }
+}
+
+/** `using` disposes of a matcher, where the engine knows `Symbol.dispose`. */
+export interface Matcher extends Disposable {}
+
+function choose(device: MatcherOptions['device']): Device {
+  switch (device) {
+    case 'auto':
+      return { kind: 'cpu', reason: 'this build has no WebGPU device, so everything runs on the CPU' };
+    case 'cpu':
+      return { kind: 'cpu', reason: 'asked for' };
+    case 'webgpu':
+      throw new GeoSeError('device-not-in-build', "this build has no WebGPU device: use 'auto' or 'cpu'", { device });
+    default:
+      throw wrong('device', "'auto', 'cpu' or 'webgpu'", device);
+  }
+}
+
+/** The scan on its way into the worker, and the options that are not about reading it. */
+function sourceAnd<T extends ReadOptions>(scan: ShapeInput, { name, format, ...others }: T): { source: Source; others: Omit<T, keyof ReadOptions> } {
+  if (name !== undefined && typeof name !== 'string') throw wrong('name', 'a string', name);
+  if (format !== undefined && typeof format !== 'string') throw wrong('format', 'a string', format);
+  return { source: sourceOf(scan, { name, format }), others };
+}
+
+function preparedBlock(what: string, shape: PreparedShape): Prepared['block'] {
+  if (!(shape instanceof PreparedShape)) throw wrong(what, 'a prepared shape', shape);
+  return blockOf(shape);
+}

@@ -1,0 +1,95 @@
+import type { LaplacianKind, Stage } from './results.js';
+
+/** Where the wasm comes from: an address, a response, the bytes, or the compiled module itself. */
+export type WasmSource = string | URL | Response | Promise<Response> | ArrayBuffer | ArrayBufferView<ArrayBuffer> | WebAssembly.Module;
+
+/** How a matcher is made. */
+export interface MatcherOptions {
+  /** `'auto'` (default) takes the best device there is; the others insist. */
+  device?: 'auto' | 'cpu' | 'webgpu' | undefined;
+  /** Instead of `geose_fmap_bg.wasm` beside the package's own files. */
+  wasm?: WasmSource | undefined;
+  /** Address of the package's `worker.js`, for a CDN or a bundler that does not find it. Another origin is reached through a blob. */
+  worker?: string | URL | undefined;
+}
+
+/** How far a call has come. */
+export interface Progress {
+  stage: Stage;
+  /** Finished part of the stage, in [0, 1]. */
+  fraction: number;
+}
+
+/** What every long call understands. */
+export interface CallOptions {
+  /** Aborting it ends the call within 300 ms with a `GeoSeError` of code `'cancelled'`. */
+  signal?: AbortSignal | undefined;
+  /** Hears of progress, at most about 30 times a second and stage. If it throws, the error is reported as uncaught and the call goes on without it. */
+  onProgress?: ((progress: Progress) => void) | undefined;
+}
+
+/** A scan as a file: the bytes, or a `Blob` or `File`, whose name is then used. */
+export type FileInput = Uint8Array | ArrayBuffer | Blob;
+
+/** A scan as arrays. */
+export interface ArrayInput {
+  /** (n, 3), row-major, any unit. */
+  positions: Float32Array | Float64Array | readonly number[];
+  /** (m, 3), row-major, indices of points; absent for a cloud. */
+  faces?: Uint32Array | Uint16Array | Uint8Array | Int32Array | readonly number[] | null | undefined;
+  /** Part of each point. */
+  labels?: Uint8Array | Uint16Array | Uint32Array | Int32Array | readonly number[] | null | undefined;
+}
+
+/** A scan to be read. It is copied when the call is made, never detached or changed. */
+export type ShapeInput = FileInput | ArrayInput;
+
+/** File formats that can be read. */
+export type FileFormat = 'obj' | 'ply' | 'off' | 'stl' | 'glb' | 'gltf' | 'xyz' | 'pts' | 'csv';
+
+/** How a file is to be read. */
+export interface ReadOptions {
+  /** File name: its ending helps to find the format, and `info.name` repeats it. */
+  name?: string | undefined;
+  /** Instead of finding it out from the bytes and the name. */
+  format?: FileFormat | undefined;
+}
+
+/** How a scan is prepared. */
+export interface PrepareOptions extends CallOptions, ReadOptions {
+  /** Points to sample (default 5000); scans of up to 1.5 times as many stay whole. */
+  points?: number | undefined;
+  /** `'ignore'` treats a mesh as a cloud. */
+  faces?: 'use' | 'ignore' | undefined;
+  /** Default `'cotangent'` for meshes, `'geodesic'` for clouds. */
+  laplacian?: LaplacianKind | undefined;
+  /** Eigenpairs of the basis (default 120). */
+  eigenpairs?: number | undefined;
+  /** Direction that is up, when it should not be guessed. */
+  up?: UpAxis | undefined;
+}
+
+/** A coordinate direction. */
+export type UpAxis = 'x' | 'y' | 'z' | '-x' | '-y' | '-z';
+
+/** How a Laplacian is built. */
+export interface LaplacianOptions extends CallOptions, ReadOptions {
+  /** Default `'cotangent'` for meshes, `'geodesic'` for clouds. */
+  kind?: LaplacianKind | undefined;
+}
+
+/** How eigenpairs are computed. */
+export interface SpectrumOptions extends CallOptions {
+  /** At most this many (default 120), and at most n − 2. */
+  eigenpairs?: number | undefined;
+}
+
+/** How two shapes are matched. */
+export interface MatchOptions extends CallOptions {
+  /** Which body parts guide the match. */
+  parts?: 'predicted' | 'given' | 'none' | undefined;
+  /** How the first map is polished (default `'best'`). */
+  refine?: 'best' | 'zoomout' | 'none' | undefined;
+  /** Pairs [point of a, point of b] that belong together, as uploaded. */
+  landmarks?: readonly (readonly [number, number])[] | undefined;
+}

@@ -1,0 +1,121 @@
+/// <reference lib="esnext.disposable" preserve="true" />
+import { Block } from './block.js';
+import { disposable } from './disposable.js';
+import { GeoSeError } from './error.js';
+import type { Geometry, Parts, Repair, ShapeInfo, Spectrum } from './results.js';
+
+let create: (block: Block) => PreparedShape;
+let open: (shape: PreparedShape) => Block;
+
+/**
+ * A scan with everything a match needs to know of it: one flat block of bytes that belongs to JavaScript. It outlives the
+ * worker that made it, and any matcher of the same version can use it.
+ */
+export class PreparedShape {
+  /** What was found out about the scan. */
+  readonly info: ShapeInfo;
+  /** What the reader or the sanitiser changed. */
+  readonly repairs: readonly Repair[];
+  #block: Block | null;
+  #parts: Parts | null | undefined;
+
+  static {
+    create = (block) => new PreparedShape(block);
+    open = (shape) => shape.#open();
+    disposable(PreparedShape.prototype, 'free');
+  }
+
+  private constructor(block: Block) {
+    this.#block = block;
+    this.info = block.json<ShapeInfo>('info');
+    this.repairs = block.json<Repair[] | null>('repairs') ?? [];
+  }
+
+  /** Body parts of the uploaded points; null when none were given or predicted. */
+  get parts(): Parts | null {
+    const block = this.#open();
+    return (this.#parts ??= partsOf(block));
+  }
+
+  /** The scan as it was read. */
+  geometry(): Geometry {
+    const block = this.#open();
+    const faces = block.uint32('faces');
+    return {
+      positions: block.float64('positions') ?? new Float64Array(),
+      faces: faces?.length ? faces : null,
+      labels: block.uint32('labels'),
+    };
+  }
+
+  /**
+   * The spectral basis at the uploaded points: a point that was not sampled has the value of the nearest one that was, and
+   * no mass. The arrays are as large as the scan: n × k numbers of 8 bytes.
+   */
+  spectrum(): Spectrum {
+    const block = this.#open();
+    const eigenvalues = block.float64('eigenvalues') ?? new Float64Array();
+    const eigenvectors = block.float64('eigenvectors') ?? new Float64Array();
+    const mass = block.float64('mass') ?? new Float64Array();
+    const samples = block.uint32('samples');
+    const nearest = block.uint32('nearest');
+    if (!samples || !nearest) return { eigenvalues, eigenvectors, mass };
+    return { eigenvalues, eigenvectors: rows(eigenvectors, eigenvalues.length, nearest), mass: scattered(mass, samples, nearest.length) };
+  }
+
+  /** One eigenfunction of the basis at the uploaded points, as a column of `spectrum().eigenvectors`. */
+  eigenfunction(index: number): Float64Array<ArrayBuffer> {
+    const block = this.#open();
+    const [used = 0, k = 0] = block.shape('eigenvectors') ?? [];
+    if (!Number.isInteger(index) || index < 0 || index >= k) {
+      throw new GeoSeError('invalid-argument', `there is no eigenfunction ${index}: the basis has ${k}`, { index, eigenpairs: k });
+    }
+    const eigenvectors = block.float64('eigenvectors') ?? new Float64Array();
+    const column = Float64Array.from({ length: used }, (_, row) => eigenvectors[row * k + index] ?? 0);
+    const nearest = block.uint32('nearest');
+    return nearest ? rows(column, 1, nearest) : column;
+  }
+
+  /** Lets go of the block. Calls that are already under way finish. */
+  free(): void {
+    this.#block = null;
+    this.#parts = null;
+  }
+
+  #open(): Block {
+    if (!this.#block) throw new GeoSeError('freed', 'the prepared shape was freed', { name: this.info.name });
+    return this.#block;
+  }
+}
+
+/** `using` frees a prepared shape, where the engine knows `Symbol.dispose`. */
+export interface PreparedShape extends Disposable {}
+
+/** Takes over the bytes of a block. */
+export const preparedFrom = (bytes: Uint8Array<ArrayBuffer>): PreparedShape => create(new Block(bytes));
+
+/** The bytes of a block, to be read only. Throws a `GeoSeError` when the shape was freed. */
+export const blockOf = (shape: PreparedShape): Uint8Array<ArrayBuffer> => open(shape).bytes;
+
+function partsOf(block: Block): Parts | null {
+  const parts = block.json<{ names: string[]; source: Parts['source'] } | null>('parts');
+  const given = block.uint32('labels');
+  if (!parts || !given) return null;
+  const probabilities = new Float32Array(given.length * parts.names.length);
+  given.forEach((label, point) => (probabilities[point * parts.names.length + label] = 1));
+  return { labels: Uint8Array.from(given), probabilities, names: parts.names, source: parts.source };
+}
+
+/** For each index the row of a (·, `width`) matrix. */
+function rows(matrix: Float64Array, width: number, indices: Uint32Array): Float64Array<ArrayBuffer> {
+  const out = new Float64Array(indices.length * width);
+  indices.forEach((row, i) => out.set(matrix.subarray(row * width, (row + 1) * width), i * width));
+  return out;
+}
+
+/** Each value at its index among `length` zeros. */
+function scattered(values: Float64Array, indices: Uint32Array, length: number): Float64Array<ArrayBuffer> {
+  const out = new Float64Array(length);
+  indices.forEach((index, i) => (out[index] = values[i] ?? 0));
+  return out;
+}

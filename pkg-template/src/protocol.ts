@@ -1,0 +1,58 @@
+import type { ErrorDetails } from './error.js';
+import type { LaplacianOptions, MatchOptions, PrepareOptions, Progress, ReadOptions, SpectrumOptions } from './options.js';
+import type { Laplacian, Match, Spectrum } from './results.js';
+
+/** A shape on its way into the worker. */
+export type Source =
+  | { from: 'file'; file: Uint8Array<ArrayBuffer> | Blob; name: ReadOptions['name']; format: ReadOptions['format'] }
+  | {
+      from: 'arrays';
+      positions: Float64Array<ArrayBuffer>;
+      faces: Uint32Array<ArrayBuffer> | undefined;
+      labels: Uint32Array<ArrayBuffer> | undefined;
+    };
+
+/** The block of a prepared shape: its owner keeps it, the worker gets a copy. */
+export interface Prepared {
+  from: 'prepared';
+  block: Uint8Array<ArrayBuffer>;
+}
+
+/** What the worker can be asked, and what it answers. */
+export interface Calls {
+  version: { ask: object; answer: string };
+  prepare: {
+    ask: { source: Source; options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'> };
+    answer: Uint8Array<ArrayBuffer>;
+  };
+  laplacian: { ask: { source: Source | Prepared; options: Pick<LaplacianOptions, 'kind'> }; answer: Laplacian };
+  spectrum: { ask: { laplacian: Omit<Laplacian, 'kind'>; options: Pick<SpectrumOptions, 'eigenpairs'> }; answer: Spectrum };
+  match: {
+    ask: { a: Prepared['block']; b: Prepared['block']; options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'> };
+    answer: Match;
+  };
+  trap: { ask: object; answer: never };
+}
+
+export type CallName = keyof Calls;
+export type Answer = Calls[CallName]['answer'];
+export type CallOf<N extends CallName> = { name: N } & Calls[N]['ask'];
+export type Call = { [N in CallName]: CallOf<N> }[CallName];
+
+/** Messages to the worker. `start` comes once and first; then one `call` at a time. */
+export type ToWorker = { type: 'start'; module: WebAssembly.Module } | { type: 'call'; id: number; call: Call };
+
+/** Messages from the worker. After `crashed` it must be ended. */
+export type FromWorker =
+  | { type: 'ready' }
+  | ({ type: 'progress'; id: number } & Progress)
+  | { type: 'done'; id: number; answer: Answer }
+  | { type: 'failed'; id: number; error: { code: string; message: string; details: ErrorDetails } }
+  | { type: 'crashed'; code: 'crashed' | 'out-of-memory'; message: string; details: ErrorDetails };
+
+/** The buffers of all typed arrays in a private copy: they move to the other side instead of being copied again. */
+export function buffersOf(value: unknown): ArrayBuffer[] {
+  if (ArrayBuffer.isView(value)) return value.buffer instanceof ArrayBuffer ? [value.buffer] : [];
+  if (typeof value !== 'object' || value === null || value instanceof Blob) return [];
+  return Object.values(value).flatMap(buffersOf);
+}

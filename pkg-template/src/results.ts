@@ -1,0 +1,155 @@
+/** The steps a caller can wait for, in the order of the pipeline. */
+export const STAGES = [
+  'read',
+  'sample',
+  'graph',
+  'laplacian',
+  'spectrum',
+  'features',
+  'functional-map',
+  'refine',
+  'correspondence',
+] as const;
+
+/** One step of the pipeline. */
+export type Stage = (typeof STAGES)[number];
+
+/** Seconds spent per stage; stages that did not run are absent. */
+export type StageSeconds = Readonly<Partial<Record<Stage, number>>>;
+
+/** What a point of `targetOf` holds when it has no partner. */
+export const UNMATCHED = 0xffffffff;
+
+/** How the Laplacian of a shape is built. */
+export type LaplacianKind = 'geodesic' | 'geodesic-literal' | 'euclidean' | 'cotangent';
+
+/** Where the work happens, and why there. */
+export interface Device {
+  readonly kind: 'cpu' | 'webgpu';
+  /** A sentence for a person. */
+  readonly reason: string;
+  /** Name of the graphics adapter, when there is one. */
+  readonly adapter?: string;
+}
+
+/** What was found out about a scan while it was prepared. */
+export interface ShapeInfo {
+  readonly kind: 'mesh' | 'cloud';
+  /** As given to `prepare`; null when there was none. */
+  readonly name: string | null;
+  /** Points as uploaded. */
+  readonly points: number;
+  /** Triangles as read; 0 for a cloud. */
+  readonly faces: number;
+  /** Connected pieces. */
+  readonly pieces: number;
+  /** Points that take part in the matching. */
+  readonly pointsUsed: number;
+  /** Unit of length of the file, as far as it could be found. */
+  readonly unit: string;
+  /** Direction that was taken for up. */
+  readonly upAxis: string;
+  /** Factor from the unit of the file to the unit the matcher works in. */
+  readonly scale: number;
+  readonly laplacian: LaplacianKind;
+  /** Eigenpairs k of the spectral basis. */
+  readonly eigenpairs: number;
+  readonly seconds: StageSeconds;
+}
+
+/** One kind of thing the reader or the sanitiser changed. */
+export interface Repair {
+  /** Stable name: `'degenerate-faces'`, … */
+  readonly code: string;
+  /** How many times. */
+  readonly count: number;
+  /** A sentence for a person. */
+  readonly message: string;
+}
+
+/** A scan as it was read, in its own unit and order. */
+export interface Geometry {
+  /** (n, 3), row-major. */
+  positions: Float64Array<ArrayBuffer>;
+  /** (m, 3), row-major, indices of points; null for a cloud. */
+  faces: Uint32Array<ArrayBuffer> | null;
+  /** One per point; null when none were given. */
+  labels: Uint32Array<ArrayBuffer> | null;
+}
+
+/** Body parts of every uploaded point. */
+export interface Parts {
+  /** (n): index into `names`. */
+  labels: Uint8Array<ArrayBuffer>;
+  /** (n, `names.length`), row-major, each row sums to 1. Given labels are certain: 1 at the label, 0 elsewhere. */
+  probabilities: Float32Array<ArrayBuffer>;
+  names: string[];
+  source: 'given' | 'predicted';
+}
+
+/** A sparse symmetric operator L with its mass M: compressed rows of an (n, n) matrix. */
+export interface Laplacian {
+  kind: LaplacianKind;
+  /** (n + 1): where each row starts in `indices` and `values`. */
+  indptr: Uint32Array<ArrayBuffer>;
+  /** Column of each entry. */
+  indices: Uint32Array<ArrayBuffer>;
+  /** Value of each entry. */
+  values: Float64Array<ArrayBuffer>;
+  /** (n): area per point, in squared units of the scan. */
+  mass: Float64Array<ArrayBuffer>;
+}
+
+/** The first k solutions of L φ = λ M φ, smallest λ first; ΦᵀMΦ = I. */
+export interface Spectrum {
+  /** (k), in 1 / squared units. */
+  eigenvalues: Float64Array<ArrayBuffer>;
+  /** (n, k), row-major. */
+  eigenvectors: Float64Array<ArrayBuffer>;
+  /** (n): area per point. */
+  mass: Float64Array<ArrayBuffer>;
+}
+
+/** A linear map between the spectral bases of two shapes: functions on the first → functions on the second. */
+export interface FunctionalMap {
+  /** Eigenpairs of the shape that functions arrive on. */
+  rows: number;
+  /** Eigenpairs of the shape that functions come from. */
+  cols: number;
+  /** (rows, cols), row-major. */
+  data: Float64Array<ArrayBuffer>;
+}
+
+/** A map from the points of one shape to the points of another. */
+export interface DirectedMap {
+  /** For each point of the first shape, as uploaded, the index of its point in the second, as uploaded; `UNMATCHED` if none. */
+  targetOf: Uint32Array<ArrayBuffer>;
+  /** In [0, 1], one per point of the first shape; 0 where unmatched. */
+  confidence: Float32Array<ArrayBuffer>;
+  /** Functions on the first shape → functions on the second. */
+  functionalMap: FunctionalMap;
+}
+
+/** How a match came about. */
+export interface MatchReport {
+  device: Device['kind'];
+  /** Where and why the run continued on the CPU; null when nothing failed. */
+  fallback: { stage: Stage; reason: string } | null;
+  seconds: StageSeconds;
+  /** Points of a and of b that took part. */
+  pointsUsed: [number, number];
+  /** Largest size of the wasm memory so far, in bytes. */
+  peakMemoryBytes: number;
+  gpu: { dispatches: number; uploads: number; downloads: number };
+  /** Sentences for a person. */
+  warnings: string[];
+  /** The learned weights that took part; null when none did. */
+  weights: { name: string; version: string } | null;
+}
+
+/** The map from a to b, the map back, and how they came about. */
+export interface Match extends DirectedMap {
+  /** From b to a. */
+  reverse: DirectedMap;
+  report: MatchReport;
+}

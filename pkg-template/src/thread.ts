@@ -1,0 +1,77 @@
+import { isNode, workerThreads } from './node.js';
+import type { FromWorker, ToWorker } from './protocol.js';
+
+/** A worker of a browser or of Node. */
+export interface Thread {
+  post(message: ToWorker, transfer?: ArrayBuffer[]): void;
+  /** Ends it at once, whatever it does; its listener hears nothing more. */
+  stop(): void;
+  /** Whether it keeps a Node process alive; a browser does not ask. */
+  keepAlive(wanted: boolean): void;
+}
+
+/** Hears of everything a thread does until it is stopped. */
+export interface ThreadListener {
+  message(message: FromWorker): void;
+  /** The thread ended by itself, or could not be started. */
+  died(reason: string): void;
+}
+
+/** Starts a thread; throws where the platform refuses at once. */
+export type Spawn = (listener: ThreadListener) => Thread;
+
+/** Prepares to start threads that run `worker.js`, or the file at `address` instead. */
+export async function spawner(address: string | URL | undefined): Promise<Spawn> {
+  if (!isNode) return (listener) => browserThread(browserWorker(address), listener);
+  const { Worker: NodeWorker } = await workerThreads();
+  return (listener) => nodeThread(new NodeWorker(nodeFile(address), { execArgv: [] }), listener);
+}
+
+function browserWorker(address: string | URL | undefined): Worker {
+  // Bundlers recognise this very expression.
+  if (address === undefined) return new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
+  const url = new URL(address, location.href);
+  if (url.origin === location.origin) return new Worker(url, { type: 'module' });
+  // A worker's own file must share the page's origin; what it imports need not.
+  const stub = URL.createObjectURL(new Blob([`import ${JSON.stringify(url.href)};`], { type: 'text/javascript' }));
+  const worker = new Worker(stub, { type: 'module' });
+  worker.addEventListener('message', () => URL.revokeObjectURL(stub), { once: true });
+  return worker;
+}
+
+function nodeFile(address: string | URL | undefined): string | URL {
+  // Hidden from bundlers, which would carry along a second worker.js for browsers.
+  if (address === undefined) return new URL(/* @vite-ignore */ /* webpackIgnore: true */ './worker.js', import.meta.url);
+  return typeof address === 'string' && address.startsWith('file:') ? new URL(address) : address;
+}
+
+function browserThread(worker: Worker, listener: ThreadListener): Thread {
+  worker.onmessage = (event: MessageEvent<FromWorker>) => listener.message(event.data);
+  worker.onerror = (event) => listener.died(event.message || 'its file could not be loaded');
+  worker.onmessageerror = () => listener.died('a message could not be read');
+  return {
+    post: (message, transfer = []) => worker.postMessage(message, transfer),
+    stop() {
+      worker.onmessage = worker.onerror = worker.onmessageerror = null;
+      worker.terminate();
+    },
+    keepAlive() {},
+  };
+}
+
+function nodeThread(worker: import('node:worker_threads').Worker, listener: ThreadListener): Thread {
+  let stopped = false;
+  const died = (reason: string) => stopped || listener.died(reason);
+  worker.on('message', (message: FromWorker) => stopped || listener.message(message));
+  worker.on('messageerror', () => died('a message could not be read'));
+  worker.on('error', (error) => died(error instanceof Error ? error.message : String(error)));
+  worker.on('exit', (code) => died(`it ended with code ${code}`));
+  return {
+    post: (message, transfer = []) => worker.postMessage(message, transfer),
+    stop() {
+      stopped = true;
+      void worker.terminate();
+    },
+    keepAlive: (wanted) => (wanted ? worker.ref() : worker.unref()),
+  };
+}

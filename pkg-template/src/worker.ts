@@ -1,0 +1,115 @@
+// Runs in a worker of a browser or of Node: holds one wasm instance and answers one call at a time.
+import * as raw from './geose_fmap.js';
+import { workerThreads } from './node.js';
+import { buffersOf, type Answer, type Call, type FromWorker, type Source, type ToWorker } from './protocol.js';
+import type { Stage } from './results.js';
+
+type Post = (message: FromWorker, transfer?: ArrayBuffer[]) => void;
+type Progress = (stage: Stage, fraction: number) => void;
+
+/** Shortest time between two progress messages of one stage, in milliseconds. */
+const PROGRESS_INTERVAL = 33;
+
+/** An instance that dies with more of its 4 GiB in use died of the allocation that did not fit. */
+const NEARLY_ALL_MEMORY = 3 * 2 ** 30;
+
+// A browser's worker must listen before its script has run; Node keeps messages until somebody listens.
+if ('DedicatedWorkerGlobalScope' in globalThis) {
+  const post: Post = (message, transfer = []) => postMessage(message, { transfer });
+  addEventListener('message', (event: MessageEvent<ToWorker>) => void hear(event.data, post));
+} else {
+  void workerThreads().then(({ parentPort }) => {
+    const post: Post = (message, transfer = []) => parentPort?.postMessage(message, transfer);
+    parentPort?.on('message', (message: ToWorker) => void hear(message, post));
+  });
+}
+
+async function hear(message: ToWorker, post: Post): Promise<void> {
+  try {
+    if (message.type === 'start') {
+      raw.initSync({ module: message.module });
+      post({ type: 'ready' });
+    } else {
+      const answer = await answerTo(message.call, progressOf(message.id, post));
+      post({ type: 'done', id: message.id, answer }, buffersOf(answer));
+    }
+  } catch (error) {
+    if (message.type === 'call' && isTyped(error)) {
+      const { code, message: sentence, details } = error;
+      post({ type: 'failed', id: message.id, error: { code, message: sentence, details } });
+    } else {
+      post(crashOf(error));
+    }
+  }
+}
+
+async function answerTo(call: Call, progress: Progress): Promise<Answer> {
+  switch (call.name) {
+    case 'version':
+      return raw.version();
+    case 'prepare':
+      return raw.prepare(await read(call.source), call.options, progress);
+    case 'laplacian':
+      return call.source.from === 'prepared'
+        ? raw.laplacian_of_prepared(call.source.block, call.options, progress)
+        : raw.laplacian(await read(call.source), call.options, progress);
+    case 'spectrum': {
+      const { indptr, indices, values, mass } = call.laplacian;
+      return raw.spectrum(indptr, indices, values, mass, call.options, progress);
+    }
+    case 'match':
+      return raw.match_pair(call.a, call.b, call.options, progress);
+    case 'trap':
+      return raw.trap();
+  }
+}
+
+async function read(source: Source): Promise<raw.RawShape> {
+  if (source.from === 'arrays') return raw.read_arrays(source.positions, source.faces, source.labels);
+  const bytes = source.file instanceof Blob ? await bytesOf(source.file) : source.file;
+  return raw.read_file(bytes, source.name, source.format);
+}
+
+async function bytesOf(file: Blob): Promise<Uint8Array> {
+  try {
+    return new Uint8Array(await file.arrayBuffer());
+  } catch (error) {
+    const message = `the file could not be read: ${error instanceof Error ? error.message : String(error)}`;
+    throw { code: 'unreadable-file', message, details: { size: file.size } };
+  }
+}
+
+/** Every new stage and every finished one is told; in between, no more than a person can see. */
+function progressOf(id: number, post: Post): Progress {
+  let last: Stage | undefined;
+  let told = 0;
+  return (stage, fraction) => {
+    const now = performance.now();
+    if (stage === last && fraction < 1 && now - told < PROGRESS_INTERVAL) return;
+    last = stage;
+    told = now;
+    post({ type: 'progress', id, stage, fraction });
+  };
+}
+
+function isTyped(error: unknown): error is Extract<FromWorker, { type: 'failed' }>['error'] {
+  return typeof error === 'object' && error !== null && !(error instanceof Error) && 'code' in error && typeof error.code === 'string';
+}
+
+function crashOf(error: unknown): FromWorker {
+  const reason = error instanceof Error ? error.message : String(error);
+  const memoryBytes = memoryInUse();
+  const refused = error instanceof RangeError && /alloc|memory/i.test(reason);
+  return refused || memoryBytes > NEARLY_ALL_MEMORY
+    ? { type: 'crashed', code: 'out-of-memory', message: `the matcher ran out of memory: ${reason}`, details: { memoryBytes } }
+    : { type: 'crashed', code: 'crashed', message: `the matcher crashed: ${reason}`, details: { memoryBytes } };
+}
+
+/** A trap leaves an instance readable; 0 when there never was one. */
+function memoryInUse(): number {
+  try {
+    return raw.memory_bytes();
+  } catch {
+    return 0;
+  }
+}

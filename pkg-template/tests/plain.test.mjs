@@ -1,0 +1,73 @@
+import assert from 'node:assert/strict';
+import { cpSync } from 'node:fs';
+import path from 'node:path';
+import { after, before, describe, test } from 'node:test';
+import { launch, page, serve, visit } from './browser.mjs';
+import { run } from './customer.mjs';
+import { installedPackage, project } from './installed.mjs';
+
+const CSP = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; img-src data:";
+
+describe('a page without any bundler', () => {
+  let browser, expected;
+  before(async () => {
+    expected = await run((await installedPackage()).Matcher);
+    browser = await launch();
+  });
+  after(() => browser.close());
+
+  /** Serves the page with the package in its folder `vendor`, visits it and clears up. */
+  async function visited(options, serving) {
+    const { folder, installed, remove } = project(page(options));
+    cpSync(installed, path.join(folder, 'vendor'), { recursive: true });
+    const { origin, close } = await serve(folder, serving);
+    try {
+      return { origin, ...(await visit(browser, origin)) };
+    } finally {
+      await close();
+      remove();
+    }
+  }
+
+  test('expects a map, a cancelled call and a trapped one', () => {
+    assert.equal(expected.cancelled, 'cancelled');
+    assert.equal(expected.trapped, 'crashed');
+    assert.ok(new Set(expected.targetOf).size > 100);
+  });
+
+  test('runs under a strict Content-Security-Policy, asks for nothing but its own files, and gives the bytes Node gives', async () => {
+    const { outcome, requests, complaints, origin } = await visited(
+      { from: './vendor/index.js' },
+      { headers: { 'content-security-policy': CSP } },
+    );
+    assert.deepEqual(outcome, expected);
+    assert.deepEqual(complaints, []);
+    const asked = requests.filter((url) => !url.startsWith('data:'));
+    assert.ok(asked.some((url) => url.endsWith('/vendor/geose_fmap_bg.wasm')));
+    for (const url of asked) assert.equal(new URL(url).origin, origin);
+  });
+
+  test('takes the wasm from a server that does not know its type', async () => {
+    const { outcome } = await visited({ from: './vendor/index.js' }, { types: { '.wasm': 'application/octet-stream' } });
+    assert.deepEqual(outcome, expected);
+  });
+
+  test('runs from another origin, a CDN, with one option', async () => {
+    const { installed, remove } = project();
+    const cdn = await serve(installed, { headers: { 'access-control-allow-origin': '*' } });
+    const { outcome } = await visited({ from: `${cdn.origin}/index.js`, options: `{ worker: '${cdn.origin}/worker.js' }` });
+    await cdn.close();
+    remove();
+    assert.deepEqual(outcome, expected);
+  });
+
+  test('says so when the worker is missing', async () => {
+    const { outcome } = await visited({ from: './vendor/index.js', options: "{ worker: './nowhere.js' }" });
+    assert.match(outcome.error, /^worker-unavailable: /);
+  });
+
+  test('says so when the wasm is missing', async () => {
+    const { outcome } = await visited({ from: './vendor/index.js', options: "{ wasm: './nowhere.wasm' }" });
+    assert.match(outcome.error, /^wasm-unavailable: .*404/);
+  });
+});
