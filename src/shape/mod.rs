@@ -21,7 +21,7 @@ pub const MAX_POINTS: usize = 1 << 31;
 /// Largest coordinate: squared areas and their sums stay far inside f64.
 pub const MAX_COORDINATE: f64 = 1e30;
 
-/// Smallest diagonal of the bounding box, for the same reason at the other end.
+/// Smallest size, as the longest side of the bounding box, for the same reason at the other end.
 pub const MIN_EXTENT: f64 = 1e-30;
 
 /// A mesh (`faces` not empty) or a point cloud. Points keep the order and the number they were uploaded
