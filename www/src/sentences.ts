@@ -15,10 +15,14 @@ export const stageWords: Readonly<Record<Stage, string>> = {
 
 /** An error as a sentence for the person with the scan. */
 export function sentence(error: unknown): string {
-  if (error instanceof GeoSeError) return error.message;
-  if (error instanceof Error) return error.message === '' ? `Something failed (${error.name}).` : error.message;
+  if (error instanceof GeoSeError) return asSentence(error.message);
+  if (error instanceof Error) return asSentence(error.message || `something failed (${error.name})`);
   return 'Something failed that the page did not expect. Loading the page anew may help.';
 }
+
+/** The package's messages are clauses; on the page they begin and end like sentences. */
+export const asSentence = (text: string): string =>
+  text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?…]$/.test(text) ? '' : '.');
 
 const whole = new Intl.NumberFormat('en');
 

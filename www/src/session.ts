@@ -1,6 +1,7 @@
-import { Matcher, type Progress } from 'geose-fmap';
+import type { Matcher, Progress } from 'geose-fmap';
 import { isBusy, stepNames, type AppStore, type Scan, type Step, type StepName } from './app-state';
 import { reversed } from './match-direction';
+import { createMatcher } from './matcher';
 import type { ScanSource } from './scan-source';
 import { sentence } from './sentences';
 import { sides, type Side } from './side';
@@ -19,7 +20,7 @@ export class Session {
 
   constructor(store: AppStore) {
     this.#store = store;
-    this.#matcher = Matcher.create({ device: 'auto' });
+    this.#matcher = createMatcher();
     this.#matcher.then(
       (matcher) => store.set({ device: matcher.device }),
       (error: unknown) => this.#setError('match', `The matching program could not start. ${sentence(error)}`),
@@ -84,7 +85,7 @@ export class Session {
   async #prepare(side: Side, source: ScanSource): Promise<boolean> {
     const choices = this.#store.get().prepareChoices;
     return this.#run(side, async (matcher, call) => {
-      const data = await source.data(call.signal);
+      const data = await source.data();
       call.signal.throwIfAborted();
       const shape = await matcher.prepare(data, { ...choices, ...call, name: source.name });
       if (call.signal.aborted) {

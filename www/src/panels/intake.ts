@@ -54,20 +54,23 @@ function acceptDrops(zone: HTMLElement, take: (files: readonly File[]) => void):
 }
 
 function offerSamples(store: AppStore, load: (side: Side, source: ScanSource) => void, samples: readonly Sample[]): void {
-  const source = (sample: Sample): ScanSource => fromAddress(`./samples/${sample.file}`, sample.title);
+  const sources = new Map(samples.map(({ file, title }) => [file, fromAddress(`./samples/${file}`, title)]));
+  const loadSample = (side: Side, file: string | undefined): void => {
+    const source = sources.get(file ?? '');
+    if (source) load(side, source);
+  };
+  // They are small: with all of them here the page shows what it can do without a network, too.
+  setTimeout(() => void Promise.allSettled([...sources.values()].map((source) => source.data())), 2000);
   for (const side of sides) {
     const menu = byId(`sample-${side}`, HTMLSelectElement);
     menu.append(create('option', { value: '', textContent: 'Samples' }));
     menu.append(...samples.map((sample) => create('option', { value: sample.file, textContent: sample.title })));
     menu.disabled = samples.length === 0;
-    menu.addEventListener('change', () => {
-      const sample = samples.find(({ file }) => file === menu.value);
-      if (sample) load(side, source(sample));
-    });
+    menu.addEventListener('change', () => loadSample(side, menu.value));
     // The menu names the sample on show, and only that.
     store.watch(['scans'], ({ scans }) => {
-      const shown = samples.find(({ file }) => file === scans[side]?.source.name);
-      menu.value = shown?.file ?? '';
+      const shown = scans[side]?.source;
+      menu.value = shown && sources.get(shown.name) === shown ? shown.name : '';
     });
   }
   const button = byId('sample-pair', HTMLButtonElement);
@@ -75,7 +78,7 @@ function offerSamples(store: AppStore, load: (side: Side, source: ScanSource) =>
   button.hidden = pair === null;
   if (!pair) return;
   button.addEventListener('click', () => {
-    load('a', source(pair[0]));
-    load('b', source(pair[1]));
+    loadSample('a', pair[0].file);
+    loadSample('b', pair[1].file);
   });
 }

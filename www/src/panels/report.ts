@@ -1,7 +1,7 @@
 import type { Match, PreparedShape, Stage } from 'geose-fmap';
 import type { AppState, AppStore } from '../app-state';
 import { byId, create } from '../dom';
-import { count, counted, seconds, stageWords } from '../sentences';
+import { asSentence, count, counted, seconds, stageWords } from '../sentences';
 import { letter, sides } from '../side';
 import { matchedCount } from '../match-direction';
 
@@ -33,7 +33,7 @@ function confidencePart({ result }: AppState): Node[] {
 function warningPart({ result }: AppState): Node[] {
   if (!result || result.match.report.warnings.length === 0) return [];
   const list = create('ul', { className: 'warnings' });
-  list.append(...result.match.report.warnings.map((warning) => create('li', { textContent: warning })));
+  list.append(...result.match.report.warnings.map((warning) => create('li', { textContent: asSentence(warning) })));
   return [list];
 }
 
@@ -50,6 +50,7 @@ function scanPart({ scans }: AppState): Node[] {
     ['Pieces', ({ info }) => count(info.pieces)],
     ['Points used', ({ info }) => count(info.pointsUsed)],
     ['Unit', ({ info }) => info.unit],
+    ['Scaled by', ({ info }) => info.scale.toPrecision(3)],
     ['Up', ({ info }) => info.upAxis],
     ['Laplacian', ({ info }) => info.laplacian],
     ['Eigenpairs', ({ info }) => count(info.eigenpairs)],
@@ -60,7 +61,7 @@ function scanPart({ scans }: AppState): Node[] {
     rows.map(([name, value]) => [name, ...shapes.map(({ shape }) => value(shape))]),
   );
   const repairs = shapes.flatMap(({ side, shape }) =>
-    shape.repairs.map((repair) => create('li', { textContent: `${letter(side)}: ${repair.message}` })),
+    shape.repairs.map((repair) => create('li', { textContent: `${letter(side)}: ${asSentence(repair.message)}` })),
   );
   if (repairs.length === 0) return [scansTable, create('p', { className: 'facts', textContent: 'Nothing had to be repaired.' })];
   return [scansTable, create('h3', { textContent: 'Repaired' }), create('ul', { className: 'repairs' }, ...repairs)];
@@ -84,7 +85,10 @@ function timePart({ scans, result }: AppState): Node[] {
 function devicePart({ device, result }: AppState): Node[] {
   if (!device) return [];
   const adapter = device.adapter === undefined ? '' : ` (${device.adapter})`;
-  const sentences = [`${deviceName(device.kind)}${adapter}. ${device.reason}`, ...(result ? runSentences(result.match) : [])];
+  const sentences = [
+    `${deviceName(device.kind)}${adapter}. ${asSentence(device.reason)}`,
+    ...(result ? runSentences(result.match) : []),
+  ];
   return [
     create('h3', { textContent: 'Device' }),
     ...sentences.map((textContent) => create('p', { className: 'facts', textContent })),
@@ -94,7 +98,7 @@ function devicePart({ device, result }: AppState): Node[] {
 function runSentences({ report }: Match): string[] {
   const { fallback, gpu, peakMemoryBytes, weights } = report;
   return [
-    ...(fallback ? [`While ${stageWords[fallback.stage]} it went on with the CPU: ${fallback.reason}`] : []),
+    ...(fallback ? [asSentence(`while ${stageWords[fallback.stage]} it went on with the CPU: ${fallback.reason}`)] : []),
     ...(gpu.dispatches > 0 ? [`${counted(gpu.dispatches, 'dispatch').replace('dispatchs', 'dispatches')} on the GPU.`] : []),
     `At most ${count(Math.round(peakMemoryBytes / 1e6))} MB were in use.`,
     ...(weights ? [`Weights ${weights.name}, version ${weights.version}.`] : []),
