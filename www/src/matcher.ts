@@ -6,6 +6,8 @@ import workerAddress from 'geose-fmap/worker.js?worker&url';
  * its file again, which an open page must not need: the network may be gone by then.
  */
 export async function createMatcher(): Promise<Matcher> {
+  // The development server hands out modules that import each other by path, which only works from where they are.
+  if (import.meta.env.DEV) return Matcher.create({ device: 'auto', worker: workerAddress });
   const response = await fetch(workerAddress);
   if (!response.ok) throw new Error(`the worker could not be fetched (status ${response.status})`);
   const kept = new Blob([await response.blob()], { type: 'text/javascript' });
