@@ -13,13 +13,13 @@ export type {
   ReadOptions,
   ShapeInput,
   SpectrumOptions,
-  UpAxis,
   WasmSource,
 } from './options.js';
 export { PreparedShape } from './prepared.js';
 export {
   STAGES,
   UNMATCHED,
+  type Axis,
   type Device,
   type DirectedMap,
   type FunctionalMap,

@@ -1,4 +1,4 @@
-import type { LaplacianKind, Stage } from './results.js';
+import type { Axis, LaplacianKind, Stage } from './results.js';
 
 /** Where the wasm comes from: an address, a response, the bytes, or the compiled module itself. */
 export type WasmSource = string | URL | Response | Promise<Response> | ArrayBuffer | ArrayBufferView<ArrayBuffer> | WebAssembly.Module;
@@ -45,7 +45,7 @@ export interface ArrayInput {
 export type ShapeInput = FileInput | ArrayInput;
 
 /** File formats that can be read. */
-export type FileFormat = 'obj' | 'ply' | 'off' | 'stl' | 'glb' | 'gltf' | 'xyz' | 'pts' | 'csv';
+export type FileFormat = 'obj' | 'ply' | 'off' | 'glb' | 'gltf';
 
 /** How a file is to be read. */
 export interface ReadOptions {
@@ -65,12 +65,9 @@ export interface PrepareOptions extends CallOptions, ReadOptions {
   laplacian?: LaplacianKind | undefined;
   /** Eigenpairs of the basis (default 120). */
   eigenpairs?: number | undefined;
-  /** Direction that is up, when it should not be guessed. */
-  up?: UpAxis | undefined;
+  /** Axis that points up, where it is known; shown in `info`, the match does not depend on it. */
+  up?: Axis | undefined;
 }
-
-/** A coordinate direction. */
-export type UpAxis = 'x' | 'y' | 'z' | '-x' | '-y' | '-z';
 
 /** How a Laplacian is built. */
 export interface LaplacianOptions extends CallOptions, ReadOptions {
@@ -86,7 +83,7 @@ export interface SpectrumOptions extends CallOptions {
 
 /** How two shapes are matched. */
 export interface MatchOptions extends CallOptions {
-  /** Which body parts guide the match. */
+  /** Which part labels keep points of different parts apart. This build predicts none: `'none'` is the default. */
   parts?: 'predicted' | 'given' | 'none' | undefined;
   /** How the first map is polished (default `'best'`). */
   refine?: 'best' | 'zoomout' | 'none' | undefined;

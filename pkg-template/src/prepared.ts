@@ -49,31 +49,34 @@ export class PreparedShape {
   }
 
   /**
-   * The spectral basis at the uploaded points: a point that was not sampled has the value of the nearest one that was, and
-   * no mass. The arrays are as large as the scan: n × k numbers of 8 bytes.
+   * The spectral basis at the uploaded points. On a sampled cloud a point that was not sampled has the value of the nearest
+   * one that was, and no mass. The arrays are as large as the scan: n × k numbers of 8 bytes.
    */
   spectrum(): Spectrum {
     const block = this.#open();
     const eigenvalues = block.float64('eigenvalues') ?? new Float64Array();
     const eigenvectors = block.float64('eigenvectors') ?? new Float64Array();
     const mass = block.float64('mass') ?? new Float64Array();
-    const samples = block.uint32('samples');
-    const nearest = block.uint32('nearest');
-    if (!samples || !nearest) return { eigenvalues, eigenvectors, mass };
-    return { eigenvalues, eigenvectors: rows(eigenvectors, eigenvalues.length, nearest), mass: scattered(mass, samples, nearest.length) };
+    const samples = sampling(block);
+    if (!samples) return { eigenvalues, eigenvectors, mass };
+    return {
+      eigenvalues,
+      eigenvectors: rows(eigenvectors, eigenvalues.length, samples.nearest),
+      mass: scattered(mass, samples.indices, samples.nearest.length),
+    };
   }
 
-  /** One eigenfunction of the basis at the uploaded points, as a column of `spectrum().eigenvectors`. */
+  /** One eigenfunction of the basis at the uploaded points: a column of `spectrum().eigenvectors`. */
   eigenfunction(index: number): Float64Array<ArrayBuffer> {
     const block = this.#open();
-    const [used = 0, k = 0] = block.shape('eigenvectors') ?? [];
+    const [length = 0, k = 0] = block.shape('eigenvectors') ?? [];
     if (!Number.isInteger(index) || index < 0 || index >= k) {
       throw new GeoSeError('invalid-argument', `there is no eigenfunction ${index}: the basis has ${k}`, { index, eigenpairs: k });
     }
     const eigenvectors = block.float64('eigenvectors') ?? new Float64Array();
-    const column = Float64Array.from({ length: used }, (_, row) => eigenvectors[row * k + index] ?? 0);
-    const nearest = block.uint32('nearest');
-    return nearest ? rows(column, 1, nearest) : column;
+    const column = Float64Array.from({ length }, (_, row) => eigenvectors[row * k + index] ?? 0);
+    const samples = sampling(block);
+    return samples ? rows(column, 1, samples.nearest) : column;
   }
 
   /** Lets go of the block. Calls that are already under way finish. */
@@ -104,6 +107,13 @@ function partsOf(block: Block): Parts | null {
   const probabilities = new Float32Array(given.length * parts.names.length);
   given.forEach((label, point) => (probabilities[point * parts.names.length + label] = 1));
   return { labels: Uint8Array.from(given), probabilities, names: parts.names, source: parts.source };
+}
+
+/** Uploaded index of each row of the basis, and the row nearest to each uploaded point; null when every point has a row of its own. */
+function sampling(block: Block): { indices: Uint32Array; nearest: Uint32Array } | null {
+  const [indices, nearest] = [block.uint32('samples'), block.uint32('nearest')];
+  const wholeMesh = block.shape('mass')?.[0] === nearest?.length;
+  return indices && nearest && !wholeMesh ? { indices, nearest } : null;
 }
 
 /** For each index the row of a (·, `width`) matrix. */

@@ -23,6 +23,9 @@ export const UNMATCHED = 0xffffffff;
 /** How the Laplacian of a shape is built. */
 export type LaplacianKind = 'geodesic' | 'geodesic-literal' | 'euclidean' | 'cotangent';
 
+/** A coordinate axis. */
+export type Axis = 'x' | 'y' | 'z';
+
 /** Where the work happens, and why there. */
 export interface Device {
   readonly kind: 'cpu' | 'webgpu';
@@ -45,15 +48,17 @@ export interface ShapeInfo {
   readonly pieces: number;
   /** Points that take part in the matching. */
   readonly pointsUsed: number;
-  /** Unit of length of the file, as far as it could be found. */
-  readonly unit: string;
-  /** Direction that was taken for up. */
-  readonly upAxis: string;
-  /** Factor from the unit of the file to the unit the matcher works in. */
+  /** Unit of length in which the scan has the size of a body; null when none fits. */
+  readonly unit: 'm' | 'cm' | 'mm' | null;
+  /** Axis a standing body would have upright, given or clearly the longest; null when it is not clear. */
+  readonly upAxis: Axis | null;
+  /** √area in the unit of the file: what lengths are divided by. */
   readonly scale: number;
   readonly laplacian: LaplacianKind;
   /** Eigenpairs k of the spectral basis. */
   readonly eigenpairs: number;
+  /** Largest residual of the eigenpairs, relative to the largest eigenvalue. */
+  readonly residual: number;
   readonly seconds: StageSeconds;
 }
 
