@@ -1,0 +1,63 @@
+// Running other programs: where the workspace is, what a failed program looks like, how a script starts.
+import { spawnSync } from 'node:child_process';
+import { accessSync, constants } from 'node:fs';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+/** Absolute path of the workspace: every path and every program here starts from it. */
+export const root = path.resolve(import.meta.dirname, '..');
+
+/** A sentence for the person at the terminal; shown without a stack. */
+export class Failure extends Error {}
+
+/** Runs a program with its output shown; throws a `Failure` unless it ends with 0. */
+export function run(program, args, { env = process.env, cwd = root, timeout } = {}) {
+  const { status, signal, error } = spawnSync(program, args, { cwd, env, timeout, stdio: ['ignore', 'inherit', 'inherit'] });
+  if (status !== 0) throw new Failure(`${program} ${args.join(' ')}: ${error?.message ?? signal ?? `exit code ${status}`}`);
+}
+
+/** What a program wrote to standard output, trimmed; `null` when it is missing or fails. */
+export function output(program, args, { env = process.env, cwd = root } = {}) {
+  const { status, stdout } = spawnSync(program, args, { cwd, env, encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] });
+  return status === 0 ? stdout.trim() : null;
+}
+
+/** Absolute path of the first of `names` that is a program on the PATH; `null` if none is. */
+export function which(names, searchPath = process.env.PATH ?? '') {
+  const endings = process.platform === 'win32' ? ['.exe', '.cmd'] : [''];
+  for (const name of names) {
+    for (const folder of searchPath.split(path.delimiter)) {
+      for (const ending of endings) {
+        const file = path.join(folder, name + ending);
+        try {
+          accessSync(file, constants.X_OK);
+          return file;
+        } catch {
+          // not here: look in the next folder
+        }
+      }
+    }
+  }
+  return null;
+}
+
+/** An environment with `folders` first on the PATH and `more` on top. */
+export function environment(folders = [], more = {}) {
+  return { ...process.env, ...more, PATH: [...folders, process.env.PATH ?? ''].join(path.delimiter) };
+}
+
+/** Calls `action` if the module with this `import.meta` is the script that was started, and turns what it throws into an exit code. */
+export async function main(meta, action) {
+  if (path.resolve(process.argv[1] ?? '') !== fileURLToPath(meta.url)) return;
+  try {
+    await action(process.argv.slice(2));
+  } catch (error) {
+    console.error(error instanceof Failure ? `\n${error.message}` : error);
+    process.exitCode = 1;
+  }
+}
+
+/** Says what happens next, so that a long silence has a name. */
+export function say(what) {
+  console.log(`▸ ${what}`);
+}

@@ -1,0 +1,107 @@
+import type { AppState, AppStore, ColourMode } from '../app-state';
+import { toCss } from '../colour/colour-space';
+import type { Legend } from '../colour/legend';
+import { unknownColour } from '../colour/painted-colours';
+import { partPalette } from '../colour/part-palette';
+import { placeColour } from '../colour/place-colours';
+import { diverging, sequential } from '../colour/ramp';
+import { byId, create } from '../dom';
+
+/** The colour menu and what the colours mean. */
+export function showColours(store: AppStore): void {
+  const menu = byId('colour', HTMLSelectElement);
+  const eigenRow = byId('eigen-row', HTMLElement);
+  const eigen = byId('eigen', HTMLInputElement);
+  const slider = byId('eigen-slider', HTMLInputElement);
+  const place = byId('legend', HTMLElement);
+  menu.addEventListener('change', () => store.set({ colour: menu.value as ColourMode }));
+  for (const input of [eigen, slider]) {
+    input.addEventListener('input', () => {
+      if (input.validity.valid && input.value !== '') store.set({ eigenfunction: input.valueAsNumber });
+    });
+  }
+  store.watch(['colour', 'eigenfunction', 'scans', 'result'], (state) => {
+    const computed = [state.scans.a, state.scans.b].flatMap((scan) => (scan ? [scan.shape.info.eigenpairs] : []));
+    const most = String((computed.length > 0 ? Math.min(...computed) : 120) - 1);
+    eigenRow.hidden = state.colour !== 'eigenfunction';
+    for (const input of [eigen, slider]) {
+      input.max = most;
+      if (input.valueAsNumber !== state.eigenfunction) input.value = String(state.eigenfunction);
+    }
+    place.replaceChildren(...draw(legendOf(state)));
+  });
+}
+
+function legendOf(state: AppState): Legend {
+  const { result, scans } = state;
+  const hasScan = scans.a !== null || scans.b !== null;
+  switch (state.colour) {
+    case 'correspondence':
+      if (!result) return words(hasScan ? 'After the match, equal colours mean equal places.' : '');
+      return { kind: 'places', words: 'Equal colours mean equal places; grey has no match.' };
+    case 'confidence':
+      if (!result) return words('There is no match yet to be sure of.');
+      return { kind: 'scale', ramp: sequential, marks: ['0', '0.5', '1'], words: 'Confidence of the match; grey has none.' };
+    case 'part': {
+      const found = [scans.a, scans.b].map((scan) => scan?.shape.parts ?? null);
+      const parts = found.find((each) => each !== null);
+      if (!parts) return words(hasScan ? 'No parts are known for these scans.' : '');
+      const palette = partPalette(parts.names);
+      const sources = new Set(found.flatMap((each) => (each ? [each.source] : [])));
+      return {
+        kind: 'parts',
+        parts: parts.names.map((name, k) => ({ name: name.replaceAll(/[_-]/g, ' '), colour: palette[k] })),
+        words: `Parts ${[...sources].join(' and ')}.`,
+      };
+    }
+    case 'eigenfunction': {
+      if (!hasScan) return words('');
+      const text = 'Each body on its own scale. Number 0 is constant, higher ones swing faster; the sign of each is free.';
+      return { kind: 'scale', ramp: diverging, marks: ['−max', '0', '+max'], words: text };
+    }
+    case 'plain':
+      return words('');
+  }
+}
+
+const words = (text: string): Legend => ({ kind: 'words', words: text });
+
+function draw(legend: Legend): Node[] {
+  const sentence = create('p', { className: 'facts', textContent: legend.words });
+  switch (legend.kind) {
+    case 'words':
+      return [sentence];
+    case 'places':
+      return [create('div', { className: 'places' }, placeSwatch(), sentence)];
+    case 'scale': {
+      const bar = create('div', { className: 'ramp' });
+      bar.style.background = legend.ramp.css;
+      const marks = create('div', { className: 'marks' }, ...legend.marks.map((mark) => create('span', {}, mark)));
+      return [bar, marks, sentence];
+    }
+    case 'parts': {
+      const list = create('ul', { className: 'parts' });
+      for (const { name, colour } of legend.parts) {
+        const swatch = create('span', { className: 'swatch' });
+        swatch.style.background = toCss(colour ?? unknownColour);
+        list.append(create('li', {}, swatch, name));
+      }
+      return [list, sentence];
+    }
+  }
+}
+
+/** The colours of a body's middle plane, seen from the front. */
+function placeSwatch(): HTMLCanvasElement {
+  const canvas = create('canvas', { width: 24, height: 36, className: 'place-swatch' });
+  canvas.setAttribute('aria-hidden', 'true');
+  const context = canvas.getContext('2d');
+  if (!context) return canvas;
+  for (let x = 0; x < canvas.width; x++) {
+    for (let y = 0; y < canvas.height; y++) {
+      context.fillStyle = toCss(placeColour(x / (canvas.width - 1), 1 - y / (canvas.height - 1), 0.5));
+      context.fillRect(x, y, 1, 1);
+    }
+  }
+  return canvas;
+}

@@ -1,0 +1,29 @@
+/** A body that ships with the page; the meshes share one order of vertices. */
+export interface Sample {
+  readonly file: string;
+  readonly title: string;
+  readonly person: string;
+  readonly pose: string;
+  readonly kind: 'mesh' | 'cloud';
+}
+
+/** The samples of the manifest; having none is no reason not to work. */
+export async function listSamples(): Promise<readonly Sample[]> {
+  try {
+    const response = await fetch('./samples/samples.json');
+    if (!response.ok) return [];
+    const manifest = (await response.json()) as { readonly samples: readonly Sample[] };
+    return manifest.samples;
+  } catch {
+    return [];
+  }
+}
+
+/** Two people in two poses, both meshes where there are such. */
+export function samplePair(samples: readonly Sample[]): readonly [Sample, Sample] | null {
+  const first = samples.find(({ kind }) => kind === 'mesh') ?? samples[0];
+  const second =
+    samples.find((sample) => sample.kind === 'mesh' && sample.person !== first?.person && sample.pose !== first?.pose) ??
+    samples.find((sample) => sample !== first);
+  return first && second ? [first, second] : null;
+}

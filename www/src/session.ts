@@ -1,0 +1,171 @@
+import type { Matcher, Progress } from 'geose-fmap';
+import { isBusy, stepNames, type AppStore, type Scan, type Step, type StepName } from './app-state';
+import { reversed } from './match-direction';
+import { createMatcher } from './matcher';
+import type { ScanSource } from './scan-source';
+import { sentence } from './sentences';
+import { sides, type Side } from './side';
+
+/**
+ * The page's dealings with the package: scans are prepared as they come, and once both are there the match runs by itself.
+ * What fails or is cancelled changes nothing but its own step and error; the scans and the result on show stay.
+ */
+export class Session {
+  readonly #store: AppStore;
+  readonly #matcher: Promise<Matcher>;
+  /** The work under way, by step; newer work on a step takes the older one's place. */
+  readonly #tasks = new Map<StepName, AbortController>();
+  /** Scans arrived since the last match began: match when nothing is being prepared any more. */
+  #matchIsDue = false;
+
+  constructor(store: AppStore) {
+    this.#store = store;
+    this.#matcher = createMatcher();
+    this.#matcher.then(
+      (matcher) => store.set({ device: matcher.device }),
+      (error: unknown) => this.#setError('match', `The matching program could not start. ${sentence(error)}`),
+    );
+  }
+
+  /** Prepares a scan for `side`, then matches if the other one is there too. */
+  async load(side: Side, source: ScanSource): Promise<void> {
+    if (this.#end('match')) this.#matchIsDue = true;
+    if (await this.#prepare(side, source)) this.#matchIsDue = true;
+    await this.#matchIfDue();
+  }
+
+  /** Matches anew; scans that were prepared with other choices are prepared again first. */
+  async match(): Promise<void> {
+    this.#end('match');
+    const wanted = JSON.stringify(this.#store.get().prepareChoices);
+    const outdated = sides.filter((side) => {
+      const scan = this.#store.get().scans[side];
+      return scan !== null && !this.#tasks.has(side) && JSON.stringify(scan.choices) !== wanted;
+    });
+    this.#matchIsDue = true;
+    const prepared = await Promise.all(
+      outdated.map((side) => this.#prepare(side, (this.#store.get().scans[side] as Scan).source)),
+    );
+    if (prepared.includes(false)) this.#matchIsDue = false;
+    await this.#matchIfDue();
+  }
+
+  cancel(): void {
+    this.#matchIsDue = false;
+    for (const name of stepNames) if (this.#end(name)) this.#setStep(name, { status: 'cancelled' });
+  }
+
+  /** Exchanges A and B. The match is read the other way round, which needs no new one. */
+  swap(): void {
+    const state = this.#store.get();
+    if (isBusy(state)) return;
+    const { result } = state;
+    const landmarks = state.landmarks.map(([i, j]) => [j, i] as const);
+    this.#store.set({
+      scans: { a: state.scans.b, b: state.scans.a },
+      errors: { a: state.errors.b, b: state.errors.a, match: state.errors.match },
+      steps: { a: state.steps.b, b: state.steps.a, match: state.steps.match },
+      result: result && {
+        ...result,
+        match: reversed(result.match),
+        landmarks: result.landmarks.map(([i, j]) => [j, i] as const),
+      },
+      landmarks,
+      correcting: null,
+      hovered: null,
+      pinned: state.pinned && { side: state.pinned.side === 'a' ? 'b' : 'a', index: state.pinned.index },
+    });
+  }
+
+  dismiss(name: StepName): void {
+    this.#setError(name, null);
+  }
+
+  /** Resolves to whether the scan is now on show. */
+  async #prepare(side: Side, source: ScanSource): Promise<boolean> {
+    const choices = this.#store.get().prepareChoices;
+    return this.#run(side, async (matcher, call) => {
+      const data = await source.data();
+      call.signal.throwIfAborted();
+      const shape = await matcher.prepare(data, { ...choices, ...call, name: source.name });
+      if (call.signal.aborted) {
+        shape.free();
+        return;
+      }
+      const { scans, errors, steps } = this.#store.get();
+      const before = scans[side];
+      this.#store.set({
+        scans: { ...scans, [side]: { source, shape, choices } },
+        errors: { ...errors, match: null },
+        steps: { ...steps, match: { status: 'waiting' } },
+        // The same file prepared with other choices has the same points: what was found about them still holds.
+        ...(before?.source !== source && { result: null, landmarks: [], correcting: null, hovered: null, pinned: null }),
+      });
+      before?.shape.free();
+    });
+  }
+
+  async #matchIfDue(): Promise<void> {
+    const { scans, matchChoices, landmarks } = this.#store.get();
+    const { a, b } = scans;
+    if (!this.#matchIsDue || this.#tasks.size > 0 || !a || !b) return;
+    this.#matchIsDue = false;
+    await this.#run('match', async (matcher, call) => {
+      const match = await matcher.match(a.shape, b.shape, {
+        ...matchChoices,
+        landmarks,
+        ...call,
+      });
+      if (!call.signal.aborted) this.#store.set({ result: { match, choices: matchChoices, landmarks } });
+    });
+  }
+
+  /** Runs one step with its progress line; resolves to whether it got to its end. */
+  async #run(
+    name: StepName,
+    work: (matcher: Matcher, call: { signal: AbortSignal; onProgress: (progress: Progress) => void }) => Promise<void>,
+  ): Promise<boolean> {
+    this.#end(name);
+    const task = new AbortController();
+    this.#tasks.set(name, task);
+    this.#setError(name, null);
+    this.#setStep(name, { status: 'running', stage: null, fraction: 0 });
+    const finish = (step: Step): void => {
+      this.#tasks.delete(name);
+      this.#setStep(name, step);
+    };
+    try {
+      await work(await this.#matcher, {
+        signal: task.signal,
+        onProgress: ({ stage, fraction }) => {
+          if (!task.signal.aborted) this.#setStep(name, { status: 'running', stage, fraction });
+        },
+      });
+      if (task.signal.aborted) return false;
+      finish({ status: 'done' });
+      return true;
+    } catch (error) {
+      if (task.signal.aborted) return false;
+      finish({ status: 'failed' });
+      this.#setError(name, sentence(error));
+      return false;
+    }
+  }
+
+  /** Ends what runs for a step, if anything does. */
+  #end(name: StepName): boolean {
+    const task = this.#tasks.get(name);
+    if (!task) return false;
+    this.#tasks.delete(name);
+    task.abort();
+    return true;
+  }
+
+  #setStep(name: StepName, step: Step): void {
+    this.#store.set({ steps: { ...this.#store.get().steps, [name]: step } });
+  }
+
+  #setError(name: StepName, message: string | null): void {
+    this.#store.set({ errors: { ...this.#store.get().errors, [name]: message } });
+  }
+}
