@@ -52,7 +52,7 @@ pub fn write_samples(model: &BodyModel, out: &Path) -> Result<Vec<String>, Sampl
     let mut entries = Vec::new();
     for (person, pose, title) in MESHES {
         let body = model.body(&person_named(person), &pose_named(pose))?;
-        let points: Vec<_> = template.vertices.iter().map(|&v| body[v as usize]).collect();
+        let points = template.pick(&body);
         let file = format!("{person}-{pose}.ply");
         save(&file, ply(&points, Some(&template)))?;
         entries.push(entry(&file, person, pose, title, "mesh", points.len(), template.triangles.len()));
@@ -60,9 +60,9 @@ pub fn write_samples(model: &BodyModel, out: &Path) -> Result<Vec<String>, Sampl
 
     let (person, pose, title) = CLOUD;
     let body = model.body(&person_named(person), &pose_named(pose))?;
-    let pool = uniform_points(&body, &model.skin, POOL, &mut ChaCha8Rng::seed_from_u64(SEED));
+    let pool = uniform_points(&body, &model.skin.triangles, POOL, &mut ChaCha8Rng::seed_from_u64(SEED));
     let points: Vec<_> = farthest_points(&pool, POINTS).into_iter().map(|i| pool[i]).collect();
-    let vertices: Vec<_> = template.vertices.iter().map(|&v| body[v as usize]).collect();
+    let vertices = template.pick(&body);
     let (file, truth) = (format!("{person}-{pose}-cloud.ply"), format!("{person}-{pose}-cloud.truth.json"));
     save(&file, ply(&points, None))?;
     let nearest = json!({ "cloud": file, "nearestVertex": nearest(&points, &vertices) });
@@ -120,7 +120,7 @@ pub fn person_named(name: &str) -> Person {
             age: 0.47,
             muscle: 0.55,
             weight: 0.42,
-            height: 0.62,
+            height: 0.55,
             proportions: 0.75,
             cup: 0.45,
             ancestry: [0.4, 0.3, 0.3],
@@ -129,8 +129,8 @@ pub fn person_named(name: &str) -> Person {
             sex: 1.0,
             age: 0.62,
             muscle: 0.6,
-            weight: 0.85,
-            height: 0.53,
+            weight: 0.95,
+            height: 0.6,
             proportions: 0.55,
             cup: 0.5,
             ancestry: [0.15, 0.25, 0.6],
@@ -148,17 +148,17 @@ pub fn pose_named(name: &str) -> Pose {
             spine: Bend { forward: 6.0, turn: -12.0, ..Bend::default() },
             neck: Bend { turn: 10.0, ..Bend::default() },
             arms: [
-                Arm { raise: 150.0, forward: 25.0, elbow: 25.0, ..Arm::default() },
+                Arm { raise: 125.0, forward: 25.0, elbow: 30.0, ..Arm::default() },
                 Arm { raise: 35.0, forward: -50.0, elbow: 35.0, ..Arm::default() },
             ],
             legs: [
-                Leg { raise: -22.0, out: 3.0, knee: 18.0, ankle: Some(0.0), ..Leg::default() },
-                Leg { raise: 32.0, out: 3.0, knee: 12.0, ..Leg::default() },
+                Leg { raise: -20.0, out: 3.0, knee: 26.0, ankle: Some(4.0), ..Leg::default() },
+                Leg { raise: 27.0, out: 3.0, knee: 7.0, ..Leg::default() },
             ],
             ..Pose::default()
         },
         "lunging" => Pose {
-            pelvis: Bend { forward: 12.0, ..Bend::default() },
+            pelvis: Bend { forward: 8.0, ..Bend::default() },
             spine: Bend { forward: 14.0, left: 5.0, turn: 10.0 },
             neck: Bend { forward: -18.0, ..Bend::default() },
             arms: [
@@ -166,7 +166,7 @@ pub fn pose_named(name: &str) -> Pose {
                 Arm { raise: 75.0, forward: 55.0, elbow: 75.0, ..Arm::default() },
             ],
             legs: [
-                Leg { raise: 62.0, out: 16.0, twist: 12.0, knee: 72.0, ankle: None },
+                Leg { raise: 55.0, out: 16.0, twist: 12.0, knee: 64.0, ankle: None },
                 Leg { raise: 42.0, out: 22.0, twist: 15.0, knee: 66.0, ankle: None },
             ],
         },
