@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 
+use geose_fmap::train::bodies::manifold::is_closed_manifold;
 use geose_fmap::train::bodies::parts::PARTS;
-use geose_fmap::train::bodies::simplify::is_closed_manifold;
 use serde_json::Value;
 
 struct Scan {

@@ -7,8 +7,11 @@
 
 pub mod cloud;
 pub mod data;
+pub mod joints;
+pub mod manifold;
 pub mod parts;
 pub mod pose;
+pub mod quadric;
 pub mod refine;
 pub mod samples;
 pub mod shape_mixture;
@@ -63,7 +66,7 @@ impl BodyModel {
     pub fn load(root: &Path) -> Result<Self, DataError> {
         let data = BodyData::load(root)?;
         let skin = Refined::of_mesh(&surface::outer_skin(&data));
-        if !simplify::is_closed_manifold(skin.stencils.len(), &skin.triangles) {
+        if !manifold::is_closed_manifold(skin.stencils.len(), &skin.triangles) {
             let message = "the outer skin of the base mesh is not one closed surface".to_owned();
             return Err(DataError::Content { path: root.to_owned(), message });
         }

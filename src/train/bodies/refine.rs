@@ -62,7 +62,7 @@ fn ordered(a: u32, b: u32) -> (u32, u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::train::bodies::simplify::is_closed_manifold;
+    use crate::train::bodies::manifold::is_closed_manifold;
 
     /// Triangles of an octahedron over ±x, ±y, ±z in this order.
     const OCTAHEDRON: [[u32; 3]; 8] =

@@ -5,9 +5,11 @@
 //! form. Tried and dropped: the length of the collapsed edge, which left edges of 4 times the mean across long thin quads (now 2).
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::collections::{BTreeSet, BinaryHeap};
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
+
+use super::quadric::Quadric;
 
 /// How much the mean squared distance to the removed planes counts beside the squared longest new edge. On the neutral body, by
 /// eye: 0 wears off fingers, ears and lips, 20 the ears; 100 makes the worst triangle a third worse.
@@ -56,34 +58,6 @@ pub fn simplify(positions: &[DVec3], triangles: &[[u32; 3]], size: &[f64], count
     mesh.finish()
 }
 
-/// Whether every edge has exactly two triangles, in opposite directions, and the triangles at every vertex form one fan.
-pub fn is_closed_manifold(vertices: usize, triangles: &[[u32; 3]]) -> bool {
-    let mut next = vec![BTreeMap::new(); vertices];
-    for &[a, b, c] in triangles {
-        for (at, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
-            if at == from || next[at as usize].insert(from, to).is_some() {
-                return false;
-            }
-        }
-    }
-    next.iter().all(|fan| {
-        let Some((&first, _)) = fan.first_key_value() else { return false };
-        fan_length(fan, first) == fan.len()
-    })
-}
-
-/// Steps until the fan comes back to `first`, at most one more than it has.
-fn fan_length(fan: &BTreeMap<u32, u32>, first: u32) -> usize {
-    let (mut at, mut steps) = (first, 0);
-    loop {
-        steps += 1;
-        match fan.get(&at) {
-            Some(&to) if to != first && steps <= fan.len() => at = to,
-            _ => return steps,
-        }
-    }
-}
-
 /// Remove `from`, moving its triangles to `to`. Ordered by cost, then by index, so that equal costs do not depend on chance.
 #[derive(PartialEq)]
 struct Candidate {
@@ -103,37 +77,6 @@ impl PartialOrd for Candidate {
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.cost.total_cmp(&other.cost).then_with(|| (self.from, self.to).cmp(&(other.from, other.to)))
-    }
-}
-
-/// Sum of squared distances to planes, weighted by area: `xᵀA x − 2 bᵀx + c`.
-#[derive(Clone, Copy)]
-struct Quadric {
-    a: DMat3,
-    b: DVec3,
-    c: f64,
-    area: f64,
-}
-
-impl Quadric {
-    const ZERO: Self = Self { a: DMat3::ZERO, b: DVec3::ZERO, c: 0.0, area: 0.0 };
-
-    fn of_triangle([p, q, r]: [DVec3; 3]) -> Self {
-        let normal = (q - p).cross(r - p);
-        let area = normal.length() / 2.0;
-        let n = normal.normalize_or_zero();
-        let d = n.dot(p);
-        let a = DMat3::from_cols(n * n.x, n * n.y, n * n.z);
-        Self { a: a * area, b: n * (d * area), c: d * d * area, area }
-    }
-
-    fn plus(self, o: Self) -> Self {
-        Self { a: self.a + o.a, b: self.b + o.b, c: self.c + o.c, area: self.area + o.area }
-    }
-
-    /// Mean squared distance of `x` to the planes.
-    fn at(&self, x: DVec3) -> f64 {
-        ((x.dot(self.a * x) - 2.0 * self.b.dot(x) + self.c) / self.area.max(f64::MIN_POSITIVE)).max(0.0)
     }
 }
 
@@ -281,23 +224,7 @@ fn allowed(before: [DVec3; 3], after: [DVec3; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::TAU;
-
-    /// A torus of 40 × 20 vertices, about 0.3 apart along both circles of its outer rim.
-    fn torus() -> (Vec<DVec3>, Vec<[u32; 3]>) {
-        let (n, m) = (40, 20);
-        let at = |i: u32, j: u32| (i % n) * m + j % m;
-        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        for i in 0..n {
-            for j in 0..m {
-                let (u, v) = (TAU * f64::from(i) / f64::from(n), TAU * f64::from(j) / f64::from(m));
-                positions.push(DVec3::new((2.0 + v.cos()) * u.cos(), v.sin(), (2.0 + v.cos()) * u.sin()));
-                triangles.push([at(i, j), at(i, j + 1), at(i + 1, j)]);
-                triangles.push([at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)]);
-            }
-        }
-        (positions, triangles)
-    }
+    use crate::train::bodies::manifold::{is_closed_manifold, tests::torus};
 
     /// Mean and longest edge.
     fn edges(positions: &[DVec3], kept: &[u32], triangles: &[[u32; 3]]) -> (f64, f64) {
@@ -327,22 +254,5 @@ mod tests {
         let (kept, _) = simplify(&positions, &triangles, &size, 300);
         let fine = kept.iter().filter(|&&v| positions[v as usize].x > 0.0).count();
         assert!(fine > 200, "{fine} of 300");
-    }
-
-    #[test]
-    fn broken_surfaces_are_told_from_closed_ones() {
-        let (positions, mut triangles) = torus();
-        assert!(is_closed_manifold(positions.len(), &triangles));
-        assert!(!is_closed_manifold(positions.len() + 1, &triangles), "a vertex without triangles");
-        triangles[5].swap(0, 1);
-        assert!(!is_closed_manifold(positions.len(), &triangles), "a turned triangle");
-        triangles.remove(5);
-        assert!(!is_closed_manifold(positions.len(), &triangles), "a hole");
-        // Two tetrahedra that touch in vertex 0.
-        let tetrahedron = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
-        let both: Vec<_> =
-            tetrahedron.into_iter().chain(tetrahedron.map(|t| t.map(|v| if v == 0 { 0 } else { v + 3 }))).collect();
-        assert!(is_closed_manifold(4, &tetrahedron));
-        assert!(!is_closed_manifold(7, &both));
     }
 }

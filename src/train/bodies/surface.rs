@@ -157,7 +157,7 @@ pub fn close(rim: &[u32], positions: &[DVec3], exists: impl Fn(u32, u32) -> bool
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::train::bodies::simplify::is_closed_manifold;
+    use crate::train::bodies::manifold::is_closed_manifold;
 
     #[test]
     fn a_cut_surface_is_closed_again_with_outward_winding() {
