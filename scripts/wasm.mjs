@@ -29,11 +29,7 @@ export async function buildWasm() {
     'pkg',
     { inputs: ['Cargo.lock', 'scripts/wasm.mjs'], also, outputs: [MODULE, 'pkg/geose_fmap.js', 'pkg/geose_fmap.d.ts'] },
     () => {
-      run(
-        'wasm-pack',
-        ['build', '--release', '--target', 'web', '--no-pack', '--no-opt', '--out-dir', 'pkg', '--', '--locked'],
-        { env },
-      );
+      run('wasm-pack', ['build', '--release', '--target', 'web', '--no-pack', '--no-opt', '--out-dir', 'pkg', '--', '--locked'], { env });
       run('wasm-opt', [...OPTIMISE, '-o', MODULE, MODULE], { env });
     },
   );
