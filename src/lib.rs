@@ -7,6 +7,8 @@
 //!    ─features─▶ PointFeatures ─(pair) fmap─▶ FunctionalMap ─refine─▶ Correspondence
 //! ```
 
+#[cfg(not(target_arch = "wasm32"))]
+pub mod cli;
 mod device;
 mod error;
 mod features;

@@ -132,6 +132,13 @@ impl PreparedShape {
         Matchable { basis, points, features: self.features.clone(), coarse: self.coarse.clone() }
     }
 
+    /// Names of the parts that the given labels number, while they are few enough to be parts.
+    fn parts(&self) -> Option<serde_json::Value> {
+        let highest = self.shape.labels()?.iter().copied().max().filter(|&highest| highest < 256)?;
+        let names: Vec<String> = (0..=highest).map(|part| format!("part {part}")).collect();
+        Some(serde_json::json!({ "names": names, "source": "given" }))
+    }
+
     /// The flat block: safetensors, little-endian.
     pub fn to_bytes(&self) -> Result<Vec<u8>, BlockError> {
         let (n, k) = (self.shape.points().len(), self.basis.k());
@@ -153,6 +160,7 @@ impl PreparedShape {
             ("format".to_owned(), FORMAT.to_owned()),
             ("info".to_owned(), json(serde_json::to_string(&self.info))?),
             ("repairs".to_owned(), json(serde_json::to_string(&self.repairs))?),
+            ("parts".to_owned(), json(serde_json::to_string(&self.parts()))?),
         ]);
         serialize(tensors, Some(metadata)).map_err(|e| BlockError(e.to_string()))
     }

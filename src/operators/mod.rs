@@ -37,6 +37,11 @@ impl OperatorError {
     }
 }
 
+/// Cotangents where there are faces, else the geodesic Laplacian.
+pub fn default_kind(shape: &Shape) -> LaplacianKind {
+    if shape.faces().is_empty() { LaplacianKind::Geodesic } else { LaplacianKind::Cotangent }
+}
+
 /// The Laplacian of a shape, all points counting, in the unit of its points.
 pub fn laplacian(shape: &Shape, kind: LaplacianKind, progress: &mut Progress) -> Result<Laplacian, OperatorError> {
     if kind == LaplacianKind::Cotangent {

@@ -3,6 +3,7 @@
 use faer::prelude::ReborrowMut;
 use faer::{ColRef, Mat, MatMut};
 use ndarray::{Array1, Array2};
+use serde::Serialize;
 use sprs::CsMat;
 
 use super::SpectralBasis;
@@ -26,7 +27,7 @@ const RITZ_RESIDUAL: f64 = 1e-10;
 const RESTARTS: usize = 60;
 
 /// How the eigenpairs were found and how good they are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SpectrumReport {
     /// Solves with the factorised matrix, in blocks.
     pub applications: usize,

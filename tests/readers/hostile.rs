@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use geose_fmap::read::read;
+use geose_fmap::read;
 
 use crate::sample::all_formats;
 
