@@ -23,7 +23,8 @@ export async function once(name, { inputs, outputs, also = '' }, make) {
 
 function fingerprint(inputs, also) {
   const hash = createHash('sha256').update(also);
-  for (const file of inputs.flatMap(filesOf).sort()) hash.update(`\n${file}\n`).update(readFileSync(path.join(root, file)));
+  for (const file of inputs.flatMap(filesOf).sort())
+    hash.update(`\n${file}\n`).update(readFileSync(path.join(root, file)));
   return hash.digest('hex');
 }
 
@@ -31,5 +32,7 @@ function filesOf(name) {
   const full = path.join(root, name);
   if (!existsSync(full)) return [];
   if (!statSync(full).isDirectory()) return [name];
-  return readdirSync(full).filter((child) => child !== 'node_modules').flatMap((child) => filesOf(path.join(name, child)));
+  return readdirSync(full)
+    .filter((child) => child !== 'node_modules')
+    .flatMap((child) => filesOf(path.join(name, child)));
 }

@@ -8,7 +8,9 @@ const MARKER = path.join(root, 'node_modules/.installed-lock');
 
 /** Runs `npm ci` when node_modules is missing or belongs to another lock. */
 export function ensureNodeModules() {
-  const lock = createHash('sha256').update(readFileSync(path.join(root, 'package-lock.json'))).digest('hex');
+  const lock = createHash('sha256')
+    .update(readFileSync(path.join(root, 'package-lock.json')))
+    .digest('hex');
   if (existsSync(MARKER) && readFileSync(MARKER, 'utf8') === lock) return;
   say('npm ci');
   run('npm', ['ci']);

@@ -12,13 +12,25 @@ export class Failure extends Error {}
 
 /** Runs a program with its output shown; throws a `Failure` unless it ends with 0. */
 export function run(program, args, { env = process.env, cwd = root, timeout } = {}) {
-  const { status, signal, error } = spawnSync(program, args, { cwd, env, timeout, stdio: ['ignore', 'inherit', 'inherit'] });
-  if (status !== 0) throw new Failure(`${program} ${args.join(' ')}: ${error?.message ?? signal ?? `exit code ${status}`}`);
+  const { status, signal, error } = spawnSync(program, args, {
+    cwd,
+    env,
+    timeout,
+    stdio: ['ignore', 'inherit', 'inherit'],
+  });
+  if (status !== 0)
+    throw new Failure(`${program} ${args.join(' ')}: ${error?.message ?? signal ?? `exit code ${status}`}`);
 }
 
 /** What a program wrote to standard output, trimmed; `null` when it is missing or fails. */
 export function output(program, args, { env = process.env, cwd = root } = {}) {
-  const { status, stdout } = spawnSync(program, args, { cwd, env, encoding: 'utf8', maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'ignore'] });
+  const { status, stdout } = spawnSync(program, args, {
+    cwd,
+    env,
+    encoding: 'utf8',
+    maxBuffer: 1 << 28,
+    stdio: ['ignore', 'pipe', 'ignore'],
+  });
   return status === 0 ? stdout.trim() : null;
 }
 

@@ -19,14 +19,18 @@ const DEBIAN = { RUSTUP_TOOLCHAIN: 'debian', CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN
  * Installs what is missing.
  */
 export function wasmRust() {
-  if (!output('cargo', ['--version'])) throw new Failure('Rust is missing: install it from https://rustup.rs and try again.');
+  if (!output('cargo', ['--version']))
+    throw new Failure('Rust is missing: install it from https://rustup.rs and try again.');
   if (hasTarget()) return {};
   if (debianIsReady()) return DEBIAN;
   if (output('rustup', ['--version'])) {
     say(`rustup target add ${TARGET}`);
     try {
       // A machine that cannot download should find out soon; one with a slow line needs its minutes.
-      run('rustup', ['target', 'add', TARGET], { timeout: 5 * 60_000, env: environment([], { RUSTUP_MAX_RETRIES: '1' }) });
+      run('rustup', ['target', 'add', TARGET], {
+        timeout: 5 * 60_000,
+        env: environment([], { RUSTUP_MAX_RETRIES: '1' }),
+      });
     } catch (failure) {
       if (!isDebian()) throw failure;
       say(`rustup could not add ${TARGET}; Debian's compiler takes its place`);
@@ -60,21 +64,30 @@ function installDebian() {
 
 /** Builds std from Debian's sources as a dependency of an empty crate, and puts it where the compiler looks. */
 function buildStd(version) {
-  if (!isRoot()) throw new Failure(`The standard library for ${TARGET} goes to ${DEBIAN_STD}: run "npm run toolchain" once as root.`);
+  if (!isRoot())
+    throw new Failure(
+      `The standard library for ${TARGET} goes to ${DEBIAN_STD}: run "npm run toolchain" once as root.`,
+    );
   say(`building std for ${TARGET} with ${version}`);
   const crate = mkdtempSync(path.join(tmpdir(), 'wasm32-std-'));
   mkdirSync(path.join(crate, 'src'));
   writeFileSync(path.join(crate, 'Cargo.toml'), '[package]\nname = "empty"\nversion = "0.0.0"\nedition = "2024"\n');
   writeFileSync(path.join(crate, 'src/lib.rs'), '#![no_std]\n');
   // Without embedded bitcode a later `lto = true` fails with "Can't find section .llvmbc".
-  const env = environment(['/usr/bin'], { RUSTC: '/usr/bin/rustc', RUSTC_BOOTSTRAP: '1', RUSTFLAGS: '-Cembed-bitcode=yes', CARGO_TARGET_DIR: path.join(crate, 'target') });
+  const env = environment(['/usr/bin'], {
+    RUSTC: '/usr/bin/rustc',
+    RUSTC_BOOTSTRAP: '1',
+    RUSTFLAGS: '-Cembed-bitcode=yes',
+    CARGO_TARGET_DIR: path.join(crate, 'target'),
+  });
   const std = ['-Z', 'build-std=std,panic_abort,panic_unwind,test'];
   run('/usr/bin/cargo', ['build', '--release', '--target', TARGET, ...std], { env, cwd: crate });
   const built = path.join(crate, 'target', TARGET, 'release/deps');
   rmSync(DEBIAN_STD, { recursive: true, force: true });
   mkdirSync(DEBIAN_STD, { recursive: true });
   for (const name of readdirSync(built)) {
-    if (name.endsWith('.rlib') && !name.startsWith('libempty-')) cpSync(path.join(built, name), path.join(DEBIAN_STD, name));
+    if (name.endsWith('.rlib') && !name.startsWith('libempty-'))
+      cpSync(path.join(built, name), path.join(DEBIAN_STD, name));
   }
   writeFileSync(MARKER, `${version}\n`);
   rmSync(crate, { recursive: true, force: true });

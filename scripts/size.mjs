@@ -10,10 +10,19 @@ const BUDGET = { raw: 2_500_000, gzip: 900_000 };
 /** Prints the size of a built module against the budget. */
 export function checkSize(file) {
   const module = readFileSync(path.join(root, file));
-  const size = { raw: module.length, gzip: gzipSync(module, { level: 9 }).length, brotli: brotliCompressSync(module).length };
+  const size = {
+    raw: module.length,
+    gzip: gzipSync(module, { level: 9 }).length,
+    brotli: brotliCompressSync(module).length,
+  };
   const kilobytes = (bytes) => `${Math.ceil(bytes / 1000)} kB`;
-  const told = Object.entries(size).map(([kind, bytes]) => `${kind} ${kilobytes(bytes)}${kind in BUDGET ? ` of ${kilobytes(BUDGET[kind])}` : ''}`);
+  const told = Object.entries(size).map(
+    ([kind, bytes]) => `${kind} ${kilobytes(bytes)}${kind in BUDGET ? ` of ${kilobytes(BUDGET[kind])}` : ''}`,
+  );
   console.log(`${path.basename(file)}: ${told.join(', ')}`);
   const over = Object.keys(BUDGET).filter((kind) => size[kind] > BUDGET[kind]);
-  if (over.length > 0) throw new Failure(`${file} is over its budget (${over.join(', ')}): make it smaller, or argue for a new budget in scripts/size.mjs.`);
+  if (over.length > 0)
+    throw new Failure(
+      `${file} is over its budget (${over.join(', ')}): make it smaller, or argue for a new budget in scripts/size.mjs.`,
+    );
 }

@@ -28,7 +28,10 @@ function ensureTool(crate, program, version) {
   say(`cargo install ${crate} ${version} into .tools`);
   const install = ['install', crate, '--version', version, '--force', '--root', path.join(root, '.tools')];
   // They run for a second and build for minutes: little optimisation, and what both depend on is built once.
-  const env = environment([], { CARGO_PROFILE_RELEASE_OPT_LEVEL: '1', CARGO_TARGET_DIR: path.join(root, '.tools/build') });
+  const env = environment([], {
+    CARGO_PROFILE_RELEASE_OPT_LEVEL: '1',
+    CARGO_TARGET_DIR: path.join(root, '.tools/build'),
+  });
   try {
     run('cargo', [...install, '--locked'], { env });
   } catch {

@@ -8,7 +8,16 @@ import { checkSize } from './size.mjs';
 import { wasmEnvironment } from './toolchain.mjs';
 
 const MODULE = 'pkg/geose_fmap_bg.wasm';
-const OPTIMISE = ['-O3', '--enable-simd', '--enable-bulk-memory', '--enable-nontrapping-float-to-int', '--enable-sign-ext', '--enable-mutable-globals', '--enable-reference-types', '--enable-multivalue'];
+const OPTIMISE = [
+  '-O3',
+  '--enable-simd',
+  '--enable-bulk-memory',
+  '--enable-nontrapping-float-to-int',
+  '--enable-sign-ext',
+  '--enable-mutable-globals',
+  '--enable-reference-types',
+  '--enable-multivalue',
+];
 
 /** Builds pkg/ if the crate has changed. Cargo knows best whether it has: it is always asked, and its result decides. */
 export async function buildWasm() {
@@ -16,10 +25,18 @@ export async function buildWasm() {
   run('cargo', ['build', '--release', '--lib', '--target', 'wasm32-unknown-unknown', '--locked'], { env });
   const compiled = readFileSync(path.join(root, 'target/wasm32-unknown-unknown/release/geose_fmap.wasm'));
   const also = createHash('sha256').update(compiled).digest('hex');
-  await once('pkg', { inputs: ['Cargo.lock', 'scripts/wasm.mjs'], also, outputs: [MODULE, 'pkg/geose_fmap.js', 'pkg/geose_fmap.d.ts'] }, () => {
-    run('wasm-pack', ['build', '--release', '--target', 'web', '--no-pack', '--no-opt', '--out-dir', 'pkg', '--', '--locked'], { env });
-    run('wasm-opt', [...OPTIMISE, '-o', MODULE, MODULE], { env });
-  });
+  await once(
+    'pkg',
+    { inputs: ['Cargo.lock', 'scripts/wasm.mjs'], also, outputs: [MODULE, 'pkg/geose_fmap.js', 'pkg/geose_fmap.d.ts'] },
+    () => {
+      run(
+        'wasm-pack',
+        ['build', '--release', '--target', 'web', '--no-pack', '--no-opt', '--out-dir', 'pkg', '--', '--locked'],
+        { env },
+      );
+      run('wasm-opt', [...OPTIMISE, '-o', MODULE, MODULE], { env });
+    },
+  );
   checkSize(MODULE);
 }
 

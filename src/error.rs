@@ -1,7 +1,14 @@
 //! One variant per stage, each wrapping that stage's own error.
 
+use serde_json::json;
+
+use crate::operators::OperatorError;
+use crate::options::OptionError;
+use crate::prepared::BlockError;
+use crate::progress::Cancelled;
 use crate::read::ReadError;
 use crate::shape::ShapeError;
+use crate::spectrum::SpectrumError;
 
 /// Why a call could not give a result.
 #[derive(Debug, thiserror::Error)]
@@ -13,6 +20,21 @@ pub enum Error {
     /// The points, faces or labels do not make a shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// No Laplacian can be built.
+    #[error(transparent)]
+    Operator(#[from] OperatorError),
+    /// No eigenpairs can be found.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+    /// An option has no meaning here.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// Bytes that should be a prepared shape are not.
+    #[error(transparent)]
+    Block(#[from] BlockError),
+    /// The listener asked for a stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 impl Error {
@@ -21,6 +43,11 @@ impl Error {
         match self {
             Error::Read(e) => e.code(),
             Error::Shape(e) => e.code(),
+            Error::Operator(e) => e.code(),
+            Error::Spectrum(e) => e.code(),
+            Error::Option(e) => e.code(),
+            Error::Block(e) => e.code(),
+            Error::Cancelled(_) => "cancelled",
         }
     }
 
@@ -29,6 +56,11 @@ impl Error {
         match self {
             Error::Read(e) => e.details(),
             Error::Shape(e) => e.details(),
+            Error::Operator(_) => json!({}),
+            Error::Spectrum(e) => e.details(),
+            Error::Option(e) => e.details(),
+            Error::Block(e) => json!({ "reason": e.to_string() }),
+            Error::Cancelled(e) => json!({ "stage": e.stage }),
         }
     }
 }

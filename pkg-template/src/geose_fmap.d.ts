@@ -14,7 +14,7 @@ export class RawShape {
 }
 
 export function read_file(bytes: Uint8Array, name: string | undefined, format: string | undefined): RawShape;
-export function read_arrays(positions: Float64Array, faces: Uint32Array | undefined, labels: Uint32Array | undefined): RawShape;
+export function read_arrays(positions: Float64Array, faces: Uint32Array | undefined, labels: Uint32Array | undefined, name: string | undefined): RawShape;
 /** Consumes `shape`, also when it throws. */
 export function prepare(shape: RawShape, options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>, progress: Progress): Bytes;
 /** Consumes `shape`, also when it throws. */

@@ -67,7 +67,7 @@ pub enum ShapeError {
         "the whole scan is only {extent:e} units across; below {limit:e} areas cannot be computed: rescale the scan"
     )]
     ExtentTooSmall {
-        /// Diagonal of the bounding box.
+        /// Longest side of the bounding box.
         extent: f64,
         /// [`MIN_EXTENT`](super::MIN_EXTENT).
         limit: f64,

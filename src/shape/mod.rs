@@ -3,10 +3,12 @@
 mod error;
 mod faces;
 mod repair;
+mod sample;
 mod spread;
 
 pub use error::ShapeError;
 pub use repair::Repair;
+pub use sample::{farthest_points, nearest_samples};
 
 pub(crate) use repair::counted;
 
@@ -19,7 +21,7 @@ pub const MAX_POINTS: usize = 1 << 31;
 /// Largest coordinate: squared areas and their sums stay far inside f64.
 pub const MAX_COORDINATE: f64 = 1e30;
 
-/// Smallest diagonal of the bounding box, for the same reason at the other end.
+/// Smallest size, as the longest side of the bounding box, for the same reason at the other end.
 pub const MIN_EXTENT: f64 = 1e-30;
 
 /// A mesh (`faces` not empty) or a point cloud. Points keep the order and the number they were uploaded
@@ -101,6 +103,25 @@ impl Shape {
     /// What was changed, set aside or noticed on the way in.
     pub fn repairs(&self) -> &[Repair] {
         &self.repairs
+    }
+
+    /// The given points as a cloud of their own.
+    pub(crate) fn at(&self, samples: &[u32]) -> Result<Self, ShapeError> {
+        Self::new(samples.iter().map(|&i| self.points[i as usize]).collect(), Vec::new(), None)
+    }
+
+    /// From tables that came out of a valid shape.
+    pub(crate) fn already_valid(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, labels: Option<Vec<u32>>) -> Self {
+        Self { points, faces, labels, repairs: Vec::new() }
+    }
+
+    /// Sum of the triangle areas, in unit²; 0 for a cloud.
+    pub fn surface_area(&self) -> f64 {
+        let corner = |i: u32| self.points[i as usize];
+        let doubled = self.faces.iter().map(|&[a, b, c]| {
+            spread::norm(spread::cross(spread::minus(corner(b), corner(a)), spread::minus(corner(c), corner(a))))
+        });
+        0.5 * doubled.sum::<f64>()
     }
 
     /// The same points without their faces. What was said about the upload stays said.

@@ -14,9 +14,14 @@ pub struct Repair {
 }
 
 impl Repair {
+    /// Something that happened to `count` things at once.
+    pub(crate) fn noted(code: &str, count: usize, message: String) -> Self {
+        Self { code: code.to_owned(), count, message }
+    }
+
     /// `None` when `count` is 0: nothing happened, so there is nothing to say.
     pub(crate) fn counted(code: &str, count: usize, message: impl FnOnce() -> String) -> Option<Self> {
-        (count > 0).then(|| Self { code: code.to_owned(), count, message: message() })
+        (count > 0).then(|| Self::noted(code, count, message()))
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) fn check(points: &[[f64; 3]]) -> Result<Option<Repair>, ShapeError> {
             high[axis] = high[axis].max(p[axis]);
         }
     }
-    let extent = norm(minus(high, low));
+    let extent = minus(high, low).into_iter().fold(0.0, f64::max);
     let reach = low.iter().chain(&high).fold(0.0_f64, |m, c| m.max(c.abs()));
     if extent <= 4.0 * f64::EPSILON * reach {
         return Err(ShapeError::AllEqual { points: points.len() });

@@ -191,3 +191,24 @@ fn vector<'a>(words: &mut impl Iterator<Item = &'a str>) -> Option<DVec3> {
 fn content(path: &Path, message: impl Into<String>) -> DataError {
     DataError::Content { path: path.to_owned(), message: message.into() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parents_come_before_children_whatever_their_names() {
+        let json = r#"{
+            "a": {"parent": "b", "head": {"strategy": "CUBE", "cube_name": "joint"}, "tail": {"strategy": "MEAN", "vertex_indices": [7]}},
+            "b": {"parent": "", "head": {"strategy": "MEAN", "vertex_indices": [5, 6]}, "tail": {"strategy": "MEAN", "vertex_indices": [7]}}
+        }"#;
+        let rig = || serde_json::from_str::<BTreeMap<String, RigBone>>(json).expect("valid");
+        let groups = BTreeMap::from([("joint".to_owned(), vec![[3, 1, 2, 0], [2, 1, 4, 3]])]);
+        let bones = order_bones(rig(), &groups).expect("a tree");
+        assert_eq!((bones[0].name.as_str(), bones[0].parent), ("b", None));
+        assert_eq!((bones[1].name.as_str(), bones[1].parent, &bones[1].head[..]), ("a", Some(0), &[0, 1, 2, 3, 4][..]));
+        let mut orphan = rig();
+        orphan.remove("b");
+        assert!(order_bones(orphan, &groups).is_err());
+    }
+}

@@ -3,10 +3,6 @@
 //! Angles say where a limb goes, not how far it turns from the rest pose: `elbow: 0` is a straight arm, `raise: 90` a level
 //! one, whatever the rest pose of the rig is. The right side is the left side mirrored.
 
-use glam::{DQuat, DVec3};
-
-use super::skeleton::Skeleton;
-
 /// A whole body's pose. [`Pose::default`] stands straight with hanging arms.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
@@ -61,7 +57,7 @@ pub struct Leg {
     pub out: f64,
     /// About the thigh, toes outwards.
     pub twist: f64,
-    /// 0 is straight.
+    /// 0 is straight seen from the side; a knock-knee stays one.
     pub knee: f64,
     /// Toes up; `None` keeps the sole level.
     pub ankle: Option<f64>,
@@ -108,138 +104,4 @@ impl Pose {
             legs: [lr, ll],
         }
     }
-
-    /// A turn for every bone of a `game_engine` skeleton, for [`Skeleton::motions`]. Bones the skeleton lacks are skipped.
-    pub fn turns(&self, skeleton: &Skeleton) -> Vec<DQuat> {
-        let mut turns = Turns { skeleton, turns: vec![DQuat::IDENTITY; skeleton.bones.len()] };
-        turns.set("pelvis", bend(self.pelvis, 1.0));
-        for bone in ["spine_01", "spine_02", "spine_03"] {
-            turns.set(bone, bend(self.spine, 3.0));
-        }
-        for bone in ["neck_01", "head"] {
-            turns.set(bone, bend(self.neck, 2.0));
-        }
-        for (side, (arm, leg)) in [Side::Left, Side::Right].into_iter().zip(self.arms.iter().zip(&self.legs)) {
-            turns.arm(side, arm);
-            turns.hand(side, arm);
-            turns.leg(side, leg);
-        }
-        turns.turns
-    }
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Side {
-    Left,
-    Right,
-}
-
-impl Side {
-    fn bone(self, name: &str) -> String {
-        format!("{name}_{}", if self == Side::Left { "l" } else { "r" })
-    }
-
-    /// To the left side and back: its own inverse.
-    fn mirror(self, v: DVec3) -> DVec3 {
-        if self == Side::Left { v } else { DVec3::new(-v.x, v.y, v.z) }
-    }
-
-    fn mirror_turn(self, q: DQuat) -> DQuat {
-        if self == Side::Left { q } else { DQuat::from_xyzw(q.x, -q.y, -q.z, q.w) }
-    }
-}
-
-struct Turns<'a> {
-    skeleton: &'a Skeleton,
-    turns: Vec<DQuat>,
-}
-
-impl Turns<'_> {
-    fn set(&mut self, bone: &str, turn: DQuat) {
-        if let Some(b) = self.skeleton.find(bone) {
-            self.turns[b] = turn;
-        }
-    }
-
-    /// A turn worked out for the left side.
-    fn set_side(&mut self, side: Side, bone: &str, turn: DQuat) {
-        self.set(&side.bone(bone), side.mirror_turn(turn));
-    }
-
-    /// A bone's rest direction, as if it were on the left.
-    fn direction(&self, side: Side, bone: &str) -> Option<DVec3> {
-        Some(side.mirror(self.skeleton.direction(&side.bone(bone))?))
-    }
-
-    fn arm(&mut self, side: Side, arm: &Arm) -> Option<()> {
-        let (upper, fore) = (self.direction(side, "upperarm")?, self.direction(side, "lowerarm")?);
-        let (sin, cos) = arm.raise.to_radians().sin_cos();
-        let (forward, sideways) = arm.forward.to_radians().sin_cos();
-        let to = DVec3::new(sin * sideways, -cos, sin * forward);
-        let swing = DQuat::from_rotation_arc(upper, to);
-        // The shoulder blade takes part in raising the arm, hardly in lowering it.
-        let share = if to.y > upper.y { 0.25 } else { 0.1 };
-        let blade = DQuat::IDENTITY.slerp(swing, share);
-        self.set_side(side, "clavicle", blade);
-        self.set_side(side, "upperarm", blade.inverse() * about(to, arm.twist) * swing);
-
-        // The rest pose bends the elbow, so it knows the hinge.
-        let hinge = upper.cross(fore).try_normalize()?;
-        let pronation = about(fore, arm.pronation / 2.0);
-        self.set_side(side, "lowerarm", about(hinge, arm.elbow - degrees_between(upper, fore)) * pronation);
-        self.set_side(side, "hand", pronation);
-        Some(())
-    }
-
-    fn hand(&mut self, side: Side, arm: &Arm) -> Option<()> {
-        let curl_axis = self.direction(side, "middle_01")?.cross(self.direction(side, "middle_03")?).try_normalize()?;
-        let hand = self.skeleton.find(&side.bone("hand"))?;
-        self.turns[hand] *= side.mirror_turn(about(curl_axis, arm.wrist));
-        for finger in ["index", "middle", "ring", "pinky", "thumb"] {
-            let tip = self.direction(side, &format!("{finger}_03"));
-            let axis = self.direction(side, &format!("{finger}_01")).zip(tip).map(|(a, b)| a.cross(b));
-            let curl = if finger == "thumb" { arm.curl / 3.0 } else { arm.curl };
-            for joint in ["01", "02", "03"] {
-                let turn = about(axis.and_then(DVec3::try_normalize).unwrap_or(curl_axis), curl);
-                self.set_side(side, &format!("{finger}_{joint}"), turn);
-            }
-        }
-        Some(())
-    }
-
-    fn leg(&mut self, side: Side, leg: &Leg) -> Option<()> {
-        let (thigh, calf) = (self.direction(side, "thigh")?, self.direction(side, "calf")?);
-        let to = about(DVec3::X, -leg.raise) * about(DVec3::Z, leg.out) * DVec3::NEG_Y;
-        let swing = about(to, -leg.twist) * DQuat::from_rotation_arc(thigh, to);
-        let hinge = (DVec3::X - DVec3::X.dot(thigh) * thigh).try_normalize()?;
-        let knee = about(hinge, leg.knee - degrees_between(thigh, calf));
-        self.set_side(side, "thigh", swing);
-        self.set_side(side, "calf", knee);
-        let ankle = match leg.ankle {
-            Some(angle) => about(hinge, -angle),
-            None => {
-                // Undo what hips and knee did, but for the heading of the toes.
-                let pelvis = self.skeleton.find("pelvis").map_or(DQuat::IDENTITY, |b| side.mirror_turn(self.turns[b]));
-                let shank = pelvis * swing * knee;
-                let toes = (pelvis * swing * hinge).cross(DVec3::Y);
-                let heading = DQuat::from_rotation_y(toes.x.atan2(toes.z));
-                shank.inverse() * heading
-            }
-        };
-        self.set_side(side, "foot", ankle);
-        Some(())
-    }
-}
-
-fn about(axis: DVec3, degrees: f64) -> DQuat {
-    DQuat::from_axis_angle(axis, degrees.to_radians())
-}
-
-/// One of `bones` equal turns that add up to `bend`.
-fn bend(bend: Bend, bones: f64) -> DQuat {
-    about(DVec3::Y, bend.turn / bones) * about(DVec3::Z, -bend.left / bones) * about(DVec3::X, bend.forward / bones)
-}
-
-fn degrees_between(a: DVec3, b: DVec3) -> f64 {
-    a.angle_between(b).to_degrees()
 }

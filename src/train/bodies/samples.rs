@@ -4,6 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
@@ -50,58 +51,64 @@ pub fn write_samples(model: &BodyModel, out: &Path) -> Result<Vec<String>, Sampl
         Ok::<_, SampleError>(())
     };
     let mut entries = Vec::new();
-    for (person, pose, title) in MESHES {
-        let body = model.body(&person_named(person), &pose_named(pose))?;
-        let points: Vec<_> = template.vertices.iter().map(|&v| body[v as usize]).collect();
-        let file = format!("{person}-{pose}.ply");
+    for sample in &MESHES {
+        let points = template.pick(&sample.body(model)?);
+        let file = format!("{}.ply", sample.stem());
         save(&file, ply(&points, Some(&template)))?;
-        entries.push(entry(&file, person, pose, title, "mesh", points.len(), template.triangles.len()));
+        entries.push(sample.entry(&file, "mesh", points.len(), template.triangles.len()));
     }
 
-    let (person, pose, title) = CLOUD;
-    let body = model.body(&person_named(person), &pose_named(pose))?;
-    let pool = uniform_points(&body, &model.skin, POOL, &mut ChaCha8Rng::seed_from_u64(SEED));
+    let body = CLOUD.body(model)?;
+    let pool = uniform_points(&body, &model.skin.triangles, POOL, &mut ChaCha8Rng::seed_from_u64(SEED));
     let points: Vec<_> = farthest_points(&pool, POINTS).into_iter().map(|i| pool[i]).collect();
-    let vertices: Vec<_> = template.vertices.iter().map(|&v| body[v as usize]).collect();
-    let (file, truth) = (format!("{person}-{pose}-cloud.ply"), format!("{person}-{pose}-cloud.truth.json"));
+    let (file, truth) = (format!("{}-cloud.ply", CLOUD.stem()), format!("{}-cloud.truth.json", CLOUD.stem()));
     save(&file, ply(&points, None))?;
-    let nearest = json!({ "cloud": file, "nearestVertex": nearest(&points, &vertices) });
+    let nearest = json!({ "cloud": file, "nearestVertex": nearest(&points, &template.pick(&body)) });
     save(&truth, format!("{nearest}\n").into_bytes())?;
-    let mut cloud = entry(&file, person, pose, title, "cloud", points.len(), 0);
-    cloud["truth"] = json!(truth);
-    entries.push(cloud);
+    let mut entry = CLOUD.entry(&file, "cloud", points.len(), 0);
+    entry["truth"] = json!(truth);
+    entries.push(entry);
 
     let manifest = json!({ "license": "CC0-1.0", "credits": CREDITS, "unit": "metre", "up": "y", "parts": PARTS, "samples": entries });
     save("samples.json", format!("{manifest:#}\n").into_bytes())?;
     Ok(files)
 }
 
-/// Person, pose and a title for people.
-type Sample = (&'static str, &'static str, &'static str);
+/// Who does what: names as in the manifest, and how to make them.
+struct Sample {
+    person: (&'static str, fn() -> Person),
+    pose: (&'static str, fn() -> Pose),
+    title: &'static str,
+}
 
 const MESHES: [Sample; 4] = [
-    ("woman", "standing", "Woman, standing"),
-    ("woman", "striding", "Woman, striding"),
-    ("man", "standing", "Man, standing"),
-    ("man", "lunging", "Man, knees bent, arms forward"),
+    Sample { person: ("woman", woman), pose: ("standing", standing), title: "Woman, standing" },
+    Sample { person: ("woman", woman), pose: ("striding", striding), title: "Woman, striding" },
+    Sample { person: ("man", man), pose: ("standing", standing), title: "Man, standing" },
+    Sample { person: ("man", man), pose: ("lunging", lunging), title: "Man, knees bent, arms forward" },
 ];
-const CLOUD: Sample = ("woman", "greeting", "Woman, greeting (points only)");
+const CLOUD: Sample =
+    Sample { person: ("woman", woman), pose: ("greeting", greeting), title: "Woman, greeting (points only)" };
 
-fn entry(
-    file: &str,
-    person: &str,
-    pose: &str,
-    title: &str,
-    kind: &str,
-    points: usize,
-    faces: usize,
-) -> serde_json::Value {
-    json!({ "file": file, "title": title, "person": person, "pose": pose, "kind": kind, "points": points, "faces": faces,
-        "license": "CC0-1.0", "credits": CREDITS })
+impl Sample {
+    fn stem(&self) -> String {
+        format!("{}-{}", self.person.0, self.pose.0)
+    }
+
+    /// Vertices of the fine skin in metres.
+    fn body(&self, model: &BodyModel) -> Result<Vec<DVec3>, DataError> {
+        model.body(&self.person.1(), &self.pose.1())
+    }
+
+    /// The manifest's entry.
+    fn entry(&self, file: &str, kind: &str, points: usize, faces: usize) -> serde_json::Value {
+        json!({ "file": file, "title": self.title, "person": self.person.0, "pose": self.pose.0, "kind": kind,
+            "points": points, "faces": faces, "license": "CC0-1.0", "credits": CREDITS })
+    }
 }
 
 /// A PLY file in memory: a mesh with labels, or bare points.
-fn ply(points: &[glam::DVec3], mesh: Option<&Template>) -> Vec<u8> {
+fn ply(points: &[DVec3], mesh: Option<&Template>) -> Vec<u8> {
     let mut comments = vec![format!("{CREDITS} License: CC0 1.0."), "y up, metres".to_owned()];
     let (triangles, labels) = mesh.map_or((&[][..], None), |t| (&t.triangles[..], Some(&t.labels[..])));
     if mesh.is_some() {
@@ -112,77 +119,95 @@ fn ply(points: &[glam::DVec3], mesh: Option<&Template>) -> Vec<u8> {
     bytes
 }
 
-/// The two people of the samples: `"woman"`, anything else is the man.
-pub fn person_named(name: &str) -> Person {
-    match name {
-        "woman" => Person {
-            sex: 0.0,
-            age: 0.47,
-            muscle: 0.55,
-            weight: 0.42,
-            height: 0.62,
-            proportions: 0.75,
-            cup: 0.45,
-            ancestry: [0.4, 0.3, 0.3],
-        },
-        _ => Person {
-            sex: 1.0,
-            age: 0.62,
-            muscle: 0.6,
-            weight: 0.85,
-            height: 0.53,
-            proportions: 0.55,
-            cup: 0.5,
-            ancestry: [0.15, 0.25, 0.6],
-        },
+fn woman() -> Person {
+    Person {
+        sex: 0.0,
+        age: 0.47,
+        muscle: 0.55,
+        weight: 0.42,
+        height: 0.55,
+        proportions: 0.75,
+        cup: 0.45,
+        ancestry: [0.4, 0.3, 0.3],
     }
 }
 
-/// The poses of the samples; an unknown name stands straight.
-pub fn pose_named(name: &str) -> Pose {
+fn man() -> Person {
+    Person {
+        sex: 1.0,
+        age: 0.62,
+        muscle: 0.6,
+        weight: 0.95,
+        height: 0.6,
+        proportions: 0.55,
+        cup: 0.5,
+        ancestry: [0.15, 0.25, 0.6],
+    }
+}
+
+/// The A-pose of body scans.
+fn standing() -> Pose {
     let arm = Arm { raise: 35.0, forward: 10.0, elbow: 15.0, ..Arm::default() };
     let leg = Leg { out: 7.0, ..Leg::default() };
-    let standing = Pose { arms: [arm; 2], legs: [leg; 2], ..Pose::default() };
-    match name {
-        "striding" => Pose {
-            spine: Bend { forward: 6.0, turn: -12.0, ..Bend::default() },
-            neck: Bend { turn: 10.0, ..Bend::default() },
-            arms: [
-                Arm { raise: 150.0, forward: 25.0, elbow: 25.0, ..Arm::default() },
-                Arm { raise: 35.0, forward: -50.0, elbow: 35.0, ..Arm::default() },
-            ],
-            legs: [
-                Leg { raise: -22.0, out: 3.0, knee: 18.0, ankle: Some(0.0), ..Leg::default() },
-                Leg { raise: 32.0, out: 3.0, knee: 12.0, ..Leg::default() },
-            ],
-            ..Pose::default()
-        },
-        "lunging" => Pose {
-            pelvis: Bend { forward: 12.0, ..Bend::default() },
-            spine: Bend { forward: 14.0, left: 5.0, turn: 10.0 },
-            neck: Bend { forward: -18.0, ..Bend::default() },
-            arms: [
-                Arm { raise: 82.0, forward: 75.0, elbow: 40.0, ..Arm::default() },
-                Arm { raise: 75.0, forward: 55.0, elbow: 75.0, ..Arm::default() },
-            ],
-            legs: [
-                Leg { raise: 62.0, out: 16.0, twist: 12.0, knee: 72.0, ankle: None },
-                Leg { raise: 42.0, out: 22.0, twist: 15.0, knee: 66.0, ankle: None },
-            ],
-        },
-        "greeting" => Pose {
-            spine: Bend { left: -8.0, turn: 15.0, ..Bend::default() },
-            neck: Bend { left: 6.0, forward: 5.0, ..Bend::default() },
-            arms: [
-                Arm { raise: 60.0, forward: 60.0, elbow: 60.0, ..Arm::default() },
-                Arm { raise: 100.0, forward: 10.0, elbow: 95.0, twist: -70.0, ..Arm::default() },
-            ],
-            legs: [
-                Leg { raise: 8.0, out: 12.0, knee: 22.0, ..Leg::default() },
-                Leg { raise: 0.0, out: 8.0, ..Leg::default() },
-            ],
-            ..Pose::default()
-        },
-        _ => standing,
+    Pose { arms: [arm; 2], legs: [leg; 2], ..Pose::default() }
+}
+
+fn striding() -> Pose {
+    Pose {
+        spine: Bend { forward: 6.0, turn: -12.0, ..Bend::default() },
+        neck: Bend { turn: 10.0, ..Bend::default() },
+        arms: [
+            Arm { raise: 125.0, forward: 25.0, elbow: 30.0, ..Arm::default() },
+            Arm { raise: 35.0, forward: -50.0, elbow: 35.0, ..Arm::default() },
+        ],
+        legs: [
+            Leg { raise: -20.0, out: 3.0, knee: 26.0, ankle: Some(4.0), ..Leg::default() },
+            Leg { raise: 27.0, out: 3.0, knee: 7.0, ..Leg::default() },
+        ],
+        ..Pose::default()
+    }
+}
+
+fn lunging() -> Pose {
+    Pose {
+        pelvis: Bend { forward: 8.0, ..Bend::default() },
+        spine: Bend { forward: 14.0, left: 5.0, turn: 10.0 },
+        neck: Bend { forward: -18.0, ..Bend::default() },
+        arms: [
+            Arm { raise: 82.0, forward: 75.0, elbow: 40.0, ..Arm::default() },
+            Arm { raise: 75.0, forward: 55.0, elbow: 75.0, ..Arm::default() },
+        ],
+        legs: [
+            Leg { raise: 55.0, out: 16.0, twist: 12.0, knee: 64.0, ankle: None },
+            Leg { raise: 42.0, out: 22.0, twist: 15.0, knee: 66.0, ankle: None },
+        ],
+    }
+}
+
+fn greeting() -> Pose {
+    Pose {
+        spine: Bend { left: -8.0, turn: 15.0, ..Bend::default() },
+        neck: Bend { left: 6.0, forward: 5.0, ..Bend::default() },
+        arms: [
+            Arm { raise: 60.0, forward: 60.0, elbow: 60.0, ..Arm::default() },
+            Arm { raise: 100.0, forward: 10.0, elbow: 95.0, twist: -70.0, ..Arm::default() },
+        ],
+        legs: [
+            Leg { raise: 14.0, out: 8.0, knee: 12.0, ..Leg::default() },
+            Leg { out: 8.0, knee: 4.0, ..Leg::default() },
+        ],
+        ..Pose::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sample_poses_are_within_the_limits_of_the_joints() {
+        for sample in MESHES.iter().chain([&CLOUD]) {
+            assert!(sample.pose.1().is_within_limits(), "{}", sample.pose.0);
+        }
     }
 }

@@ -53,3 +53,33 @@ pub fn write_off(out: &mut impl Write, points: &[DVec3], triangles: &[[u32; 3]])
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::new(0.0, 0.5, -1.0)];
+
+    #[test]
+    fn ply_holds_what_its_header_says() {
+        let mut bytes = Vec::new();
+        write_ply(&mut bytes, &POINTS, &[[0, 1, 2]], Some(&[0, 3, 13]), &["a note".to_owned()]).expect("memory");
+        let end = b"end_header\n";
+        let body = bytes.windows(end.len()).position(|w| w == end).expect("ends") + end.len();
+        let header = str::from_utf8(&bytes[..body]).expect("text");
+        assert!(
+            header.starts_with("ply\nformat binary_little_endian 1.0\ncomment a note\nelement vertex 3\n"),
+            "{header}"
+        );
+        assert_eq!(bytes.len() - body, 3 * 13 + 13);
+        assert_eq!(bytes[body + 2 * 13 + 8..][..5], [0, 0, 0x80, 0xbf, 13], "z = -1 and label 13");
+    }
+
+    #[test]
+    fn off_is_plain_text() {
+        let mut bytes = Vec::new();
+        write_off(&mut bytes, &POINTS, &[[0, 1, 2]]).expect("memory");
+        let text = String::from_utf8(bytes).expect("text");
+        assert!(text.starts_with("OFF\n3 1 0\n0.000000 ") && text.ends_with("\n3 0 1 2\n"), "{text}");
+    }
+}

@@ -1,0 +1,44 @@
+// What every commit must pass: formats, lints, types and licences, in Rust and TypeScript.
+import { checkLicences } from './licences.mjs';
+import { compilePackage } from './package.mjs';
+import { environment, main, run } from './run.mjs';
+import { wasmEnvironment } from './toolchain.mjs';
+import { toolFolders } from './tools.mjs';
+
+/** Runs all of them, also after a failure; resolves to `{ passed, failed, skipped }`. */
+export async function check() {
+  const wasm = wasmEnvironment();
+  const node = environment(toolFolders);
+  const clippy = (args, env) =>
+    run('cargo', ['clippy', '--quiet', '--locked', ...args, '--', '-D', 'warnings'], { env });
+  const checks = {
+    'cargo fmt': () => run('cargo', ['fmt', '--check']),
+    clippy: () => clippy(['--all-targets']),
+    'clippy with the trainer': () => clippy(['--all-targets', '--features', 'train']),
+    'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),
+    'types of the package': compilePackage,
+    'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),
+    prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),
+    licences: checkLicences,
+  };
+  const counts = { passed: 0, failed: 0, skipped: 0 };
+  for (const [name, action] of Object.entries(checks)) {
+    const started = performance.now();
+    let failure;
+    try {
+      action();
+    } catch (error) {
+      failure = error;
+    }
+    counts[failure ? 'failed' : 'passed']++;
+    const seconds = ((performance.now() - started) / 1000).toFixed(1);
+    console.log(failure ? `✖ ${name}: ${failure.message}` : `✔ ${name} (${seconds} s)`);
+  }
+  return counts;
+}
+
+await main(import.meta, async () => {
+  const { passed, failed } = await check();
+  console.log(`${passed} passed, ${failed} failed`);
+  if (failed > 0) process.exitCode = 1;
+});

@@ -1,0 +1,66 @@
+// The npm package: pkg-template/ and pkg/ → dist/package, and packed → dist/geose-fmap-<version>.tgz.
+import { cpSync, existsSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import { once } from './fresh.mjs';
+import { shippedLicences } from './licences.mjs';
+import { Failure, environment, main, root, run } from './run.mjs';
+import { toolFolders } from './tools.mjs';
+import { buildWasm } from './wasm.mjs';
+
+const FOLDER = 'dist/package';
+const TEMPLATE = ['src', 'package.json', 'tsconfig.json', 'README.md'].map((name) => `pkg-template/${name}`);
+const LICENCES = ['LICENSE-MIT', 'LICENSE-APACHE'];
+const MODULE = ['pkg/geose_fmap.js', 'pkg/geose_fmap_bg.wasm'];
+const at = (name) => path.join(root, name);
+const json = (name) => JSON.parse(readFileSync(at(name), 'utf8'));
+
+/** Version of the published package; the crate's is the same. */
+function version() {
+  const { version } = json('pkg-template/package.json');
+  const crate = /^version = "([^"]+)"/m.exec(readFileSync(at('Cargo.toml'), 'utf8'))?.[1];
+  if (version !== crate)
+    throw new Failure(`pkg-template/package.json says ${version}, Cargo.toml ${crate}: make them the same.`);
+  return version;
+}
+
+/** Compiles the TypeScript of the package into its folder: enough for others to be type-checked against. */
+export function compilePackage() {
+  run('tsc', ['--project', 'pkg-template'], { env: environment(toolFolders) });
+}
+
+/** Fills dist/package. */
+export async function buildPackage() {
+  await buildWasm();
+  version();
+  const inputs = [
+    ...TEMPLATE,
+    ...LICENCES,
+    ...MODULE,
+    'Cargo.lock',
+    'package-lock.json',
+    'scripts/package.mjs',
+    'scripts/licences.mjs',
+  ];
+  await once('package', { inputs, outputs: [`${FOLDER}/package.json`, `${FOLDER}/geose_fmap_bg.wasm`] }, () => {
+    rmSync(at(FOLDER), { recursive: true, force: true });
+    compilePackage();
+    for (const name of ['pkg-template/package.json', 'pkg-template/README.md', ...LICENCES, ...MODULE]) {
+      cpSync(at(name), at(`${FOLDER}/${path.basename(name)}`));
+    }
+    writeFileSync(at(`${FOLDER}/THIRD-PARTY-LICENSES.txt`), shippedLicences());
+  });
+}
+
+/** Packs dist/package; returns the absolute path of the tarball. */
+export async function packPackage() {
+  await buildPackage();
+  const tarball = `dist/geose-fmap-${version()}.tgz`;
+  await once('tarball', { inputs: [FOLDER], outputs: [tarball] }, () => {
+    const stale = existsSync(at('dist')) ? readdirSync(at('dist')).filter((name) => name.endsWith('.tgz')) : [];
+    for (const name of stale) rmSync(at(`dist/${name}`));
+    run('npm', ['pack', `./${FOLDER}`, '--pack-destination', 'dist', '--ignore-scripts', '--loglevel', 'error']);
+  });
+  return at(tarball);
+}
+
+await main(import.meta, async () => console.log(await packPackage()));

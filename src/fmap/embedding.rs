@@ -1,0 +1,44 @@
+//! One side of a pair, as the matching steps see it.
+
+use ndarray::{Array2, s};
+
+use crate::spectrum::SpectralBasis;
+
+/// A shape at unit area, ready to be matched: p points used.
+#[derive(Clone, Debug)]
+pub struct Matchable {
+    /// Basis at unit area: Σ mass = 1.
+    pub basis: SpectralBasis,
+    /// Positions (p, 3), centred, in units of √area.
+    pub points: Array2<f64>,
+    /// Descriptors (p, c) that do not depend on the pose in space.
+    pub features: Array2<f32>,
+    /// Rows of an even sampling, coarsest first: every prefix is a sampling too.
+    pub coarse: Vec<u32>,
+}
+
+impl Matchable {
+    /// Points used, p.
+    pub fn len(&self) -> usize {
+        self.points.nrows()
+    }
+
+    /// True without points.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Φ at the given rows, first `k` columns, as f32: (rows, k).
+    pub(super) fn phi_at(&self, rows: &[u32], k: usize) -> Array2<f32> {
+        let mut phi = Array2::zeros((rows.len(), k));
+        for (mut out, &i) in phi.rows_mut().into_iter().zip(rows) {
+            out.zip_mut_with(&self.basis.eigenvectors.slice(s![i as usize, ..k]), |o, &v| *o = v as f32);
+        }
+        phi
+    }
+
+    /// Positions at the given rows: (rows, 3).
+    pub(super) fn points_at(&self, rows: &[u32]) -> Array2<f32> {
+        Array2::from_shape_fn((rows.len(), 3), |(r, c)| self.points[(rows[r] as usize, c)] as f32)
+    }
+}

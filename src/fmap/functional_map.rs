@@ -1,0 +1,82 @@
+//! The masked functional-map solve (paper Sec. 3.3, "FM solver").
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use ndarray::{Array2, ArrayView1, ArrayView2};
+
+/// C_ab: coefficients on A → coefficients on B. Shape (k_b, k_a).
+#[derive(Clone, Debug, PartialEq)]
+pub struct FunctionalMap {
+    /// The matrix C_ab (k_b, k_a).
+    pub matrix: Array2<f64>,
+}
+
+/// Weight of the resolvent mask against the data, whose Gram matrix has mean diagonal 1.
+const MASK_WEIGHT: f64 = 1.0;
+
+impl FunctionalMap {
+    /// C_ab from descriptors: min ‖C G_a − G_b‖² + Σ mask_ij C_ij².
+    ///
+    /// `g_a` (k_a, c) and `g_b` (k_b, c) are the same descriptors projected on each basis, `lambda_a` and `lambda_b` the eigenvalues at unit area.
+    /// The paper solves without a mask, which lets the map couple frequencies that no near-isometry couples; the mask is the
+    /// resolvent one of Ren et al. 2019 ("Structured regularization of functional map computations"), γ = ½. Each row of C is a
+    /// solve of its own.
+    pub fn solve(
+        g_a: ArrayView2<f64>,
+        g_b: ArrayView2<f64>,
+        lambda_a: ArrayView1<f64>,
+        lambda_b: ArrayView1<f64>,
+    ) -> Self {
+        let (k_a, k_b) = (g_a.nrows(), g_b.nrows());
+        let gram = g_a.dot(&g_a.t());
+        let scale = gram.diag().sum() / k_a as f64;
+        let scale = if scale > 0.0 { scale } else { 1.0 };
+        let right = g_b.dot(&g_a.t());
+        let mask = resolvent_mask(lambda_a, lambda_b);
+        let mut matrix = Array2::zeros((k_b, k_a));
+        for i in 0..k_b {
+            let system = Mat::from_fn(k_a, k_a, |p, q| {
+                // 1e-9 keeps directions that no descriptor sees and the mask allows at zero.
+                let own = if p == q { MASK_WEIGHT * mask[(i, p)] + 1e-9 } else { 0.0 };
+                gram[(p, q)] / scale + own
+            });
+            let rhs = Mat::from_fn(k_a, 1, |p, _| right[(i, p)] / scale);
+            if let Ok(cholesky) = system.llt(Side::Lower) {
+                let row = cholesky.solve(&rhs);
+                (0..k_a).for_each(|p| matrix[(i, p)] = row[(p, 0)]);
+            }
+        }
+        Self { matrix }
+    }
+}
+
+/// Distance between the resolvents of two operators, entry by entry: small near the (slanted) diagonal. Shape (k_b, k_a).
+fn resolvent_mask(lambda_a: ArrayView1<f64>, lambda_b: ArrayView1<f64>) -> Array2<f64> {
+    let largest = lambda_a.iter().chain(lambda_b.iter()).copied().fold(f64::MIN_POSITIVE, f64::max);
+    // (λ^γ − i)⁻¹ with γ = ½, so λ^2γ = λ.
+    let resolvent = |lambda: &f64| {
+        let x = lambda / largest;
+        [x.sqrt() / (1.0 + x), 1.0 / (1.0 + x)]
+    };
+    let (a, b): (Vec<_>, Vec<_>) = (lambda_a.iter().map(resolvent).collect(), lambda_b.iter().map(resolvent).collect());
+    let mask = Array2::from_shape_fn((b.len(), a.len()), |(i, j)| (b[i][0] - a[j][0]).powi(2) + (b[i][1] - a[j][1]).powi(2));
+    let norm = mask.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    mask / norm
+}
+
+/// min ‖P X − Q‖² by the normal equations: P (n, k), Q (n, m) given as PᵀP (k, k) and PᵀQ (k, m); X (k, m).
+///
+/// With rows at a sampling of the points this is the least-squares form of ΦᵀMf.
+pub(super) fn least_squares(gram: ArrayView2<f32>, right: ArrayView2<f32>) -> Array2<f64> {
+    let (k, m) = right.dim();
+    let ridge = 1e-7 * (0..k).map(|i| f64::from(gram[(i, i)])).sum::<f64>() / k.max(1) as f64;
+    let system = Mat::from_fn(k, k, |i, j| f64::from(gram[(i, j)]) + if i == j { ridge } else { 0.0 });
+    let rhs = Mat::from_fn(k, m, |i, j| f64::from(right[(i, j)]));
+    match system.llt(Side::Lower) {
+        Ok(cholesky) => {
+            let x = cholesky.solve(&rhs);
+            Array2::from_shape_fn((k, m), |(i, j)| x[(i, j)])
+        }
+        Err(_) => Array2::zeros((k, m)),
+    }
+}

@@ -1,0 +1,41 @@
+//! How wrong a correspondence is: the error everything is judged by.
+
+use crate::graph::{BoundedDijkstra, EdgeGraph};
+use crate::shape::Shape;
+
+/// Shortest paths along the edges of a mesh, and the area they are measured against.
+pub struct EdgeDistances {
+    graph: EdgeGraph,
+    root_area: f64,
+}
+
+impl EdgeDistances {
+    /// For a mesh; a cloud has no edges, and every distance between different points is infinite.
+    pub fn new(mesh: &Shape) -> Self {
+        let points = mesh.points();
+        let length = |i: u32, j: u32| {
+            let (p, q) = (points[i as usize], points[j as usize]);
+            (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f64>().sqrt()
+        };
+        let edges = mesh.faces().iter().flat_map(|f| (0..3).map(move |s| (f[s], f[(s + 1) % 3])));
+        let graph = EdgeGraph::from_edges(points.len(), edges.map(|(i, j)| (i, j, length(i, j))));
+        Self { graph, root_area: mesh.surface_area().sqrt() }
+    }
+}
+
+/// Mean distance from predicted to true points, divided by √area, times 100 (paper Sec. 4.2; distances by Dijkstra on mesh edges).
+/// `pairs` holds (predicted, true) indices on the mesh; a prediction out of range or in another piece counts as infinite.
+pub fn mean_error(distances: &EdgeDistances, pairs: &[(u32, u32)]) -> f64 {
+    let mut by_truth = pairs.to_vec();
+    by_truth.sort_unstable_by_key(|&(predicted, truth)| (truth, predicted));
+    let mut search = BoundedDijkstra::new(&distances.graph);
+    let mut sum = 0.0;
+    for row in by_truth.chunk_by(|x, y| x.1 == y.1) {
+        let reached = search.search(row[0].1, f64::INFINITY);
+        for &(predicted, _) in row {
+            let inside = (predicted as usize) < distances.graph.len();
+            sum += if inside { reached.to(predicted) } else { f64::INFINITY };
+        }
+    }
+    100.0 * sum / pairs.len().max(1) as f64 / distances.root_area
+}

@@ -1,0 +1,23 @@
+//! Functional maps between two shapes, their refinement, and the correspondences they stand for.
+//!
+//! **Direction.** A functional map C_ab takes functions on A to functions on B (k_b rows, k_a columns). The point map that belongs to it goes the
+//! other way, from points of B to points of A. To send points of A to B one needs C_ba. All names here say which is which.
+
+mod alignment;
+mod correspondence;
+mod embedding;
+mod functional_map;
+mod initial;
+mod landmarks;
+mod metrics;
+mod parts_mask;
+mod refine;
+
+pub use correspondence::{Correspondence, UNMATCHED};
+pub use embedding::Matchable;
+pub use functional_map::FunctionalMap;
+pub use initial::initial_maps;
+pub use landmarks::landmark_functions;
+pub use metrics::{EdgeDistances, mean_error};
+pub use parts_mask::one_hot_parts;
+pub use refine::{Refinement, refine};

@@ -1,0 +1,74 @@
+//! An undirected graph with edge lengths, in compressed rows.
+
+/// Rows of (neighbour, length), each edge stored in both rows, neighbours ascending.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EdgeGraph {
+    indptr: Vec<usize>,
+    indices: Vec<u32>,
+    lengths: Vec<f64>,
+}
+
+impl EdgeGraph {
+    /// From edges `(i, j, length)`, each given once in either order or several times; self-loops are left out.
+    pub fn from_edges(n: usize, edges: impl IntoIterator<Item = (u32, u32, f64)>) -> Self {
+        let mut both: Vec<(u32, u32, f64)> = Vec::new();
+        for (i, j, length) in edges {
+            if i != j {
+                both.push((i, j, length));
+                both.push((j, i, length));
+            }
+        }
+        both.sort_unstable_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
+        both.dedup_by_key(|e| (e.0, e.1));
+        let mut indptr = vec![0; n + 1];
+        for &(i, _, _) in &both {
+            indptr[i as usize + 1] += 1;
+        }
+        for i in 0..n {
+            indptr[i + 1] += indptr[i];
+        }
+        let (indices, lengths) = both.into_iter().map(|(_, j, length)| (j, length)).unzip();
+        Self { indptr, indices, lengths }
+    }
+
+    /// Number of vertices.
+    pub fn len(&self) -> usize {
+        self.indptr.len() - 1
+    }
+
+    /// True without vertices.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of undirected edges.
+    pub fn edge_count(&self) -> usize {
+        self.indices.len() / 2
+    }
+
+    /// Neighbours of `i`, ascending.
+    pub fn neighbours(&self, i: usize) -> &[u32] {
+        &self.indices[self.indptr[i]..self.indptr[i + 1]]
+    }
+
+    /// Lengths of the edges to [`neighbours`](Self::neighbours).
+    pub fn lengths(&self, i: usize) -> &[f64] {
+        &self.lengths[self.indptr[i]..self.indptr[i + 1]]
+    }
+
+    /// Whether `i` and `j` share an edge.
+    pub fn contains(&self, i: usize, j: u32) -> bool {
+        self.neighbours(i).binary_search(&j).is_ok()
+    }
+
+    /// Every edge once, as `(i, j, length)` with i < j.
+    pub fn edges(&self) -> impl Iterator<Item = (u32, u32, f64)> + '_ {
+        (0..self.len()).flat_map(move |i| {
+            self.neighbours(i)
+                .iter()
+                .zip(self.lengths(i))
+                .filter(move |&(&j, _)| (i as u32) < j)
+                .map(move |(&j, &length)| (i as u32, j, length))
+        })
+    }
+}

@@ -1,0 +1,77 @@
+//! k nearest neighbours in space.
+
+use std::num::NonZero;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+/// The `k` nearest other points of each point, nearest first; equal distances in order of index.
+#[derive(Clone, Debug)]
+pub struct Neighbours {
+    k: usize,
+    indices: Vec<u32>,
+    distances: Vec<f64>,
+}
+
+impl Neighbours {
+    /// Neighbours per point: the `k` asked for, or n − 1 where there are not so many points.
+    pub fn k(&self) -> usize {
+        self.k
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        if self.k == 0 { 0 } else { self.indices.len() / self.k }
+    }
+
+    /// True when there are no neighbours at all.
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    /// Indices of the neighbours of point `i`.
+    pub fn of(&self, i: usize) -> &[u32] {
+        &self.indices[i * self.k..(i + 1) * self.k]
+    }
+
+    /// Euclidean distances to the neighbours of point `i`, in the unit of the points.
+    pub fn distances(&self, i: usize) -> &[f64] {
+        &self.distances[i * self.k..(i + 1) * self.k]
+    }
+
+    /// Mean distance over all points and all their neighbours: the paper's scale σ (Sec. 3.2).
+    pub fn mean_distance(&self) -> f64 {
+        self.distances.iter().sum::<f64>() / self.distances.len().max(1) as f64
+    }
+}
+
+/// Finds the `k` nearest other points of every point. Distances are Euclidean.
+pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbours {
+    let k = k.min(points.len().saturating_sub(1));
+    let mut indices = Vec::with_capacity(points.len() * k);
+    let mut distances = Vec::with_capacity(points.len() * k);
+    // One more than asked for: a point is its own nearest neighbour.
+    let (Some(with_self), Ok(tree)) = (NonZero::new(k + 1), ImmutableKdTree::<f64, 3>::new_from_slice(points)) else {
+        return Neighbours { k: 0, indices, distances };
+    };
+    let mut row: Vec<(f64, u32)> = Vec::with_capacity(k + 1);
+    for (i, point) in points.iter().enumerate() {
+        let found = tree.query(point).nearest_n::<SquaredEuclidean<f64>>(with_self).execute();
+        row.clear();
+        row.extend(found.iter().map(|item| (item.distance, item.item as u32)).filter(|&(_, j)| j as usize != i));
+        row.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // Among more than k copies of one point the tree may return only other copies.
+        row.truncate(k);
+        indices.extend(row.iter().map(|&(_, j)| j));
+        distances.extend(row.iter().map(|&(d, _)| d.sqrt()));
+    }
+    Neighbours { k, indices, distances }
+}
+
+impl Neighbours {
+    /// The plain k-NN graph: an edge wherever one point is among the neighbours of the other.
+    pub fn graph(&self) -> super::EdgeGraph {
+        let edges = (0..self.len())
+            .flat_map(|i| self.of(i).iter().zip(self.distances(i)).map(move |(&j, &d)| (i as u32, j, d)));
+        super::EdgeGraph::from_edges(self.len(), edges)
+    }
+}

@@ -1,0 +1,101 @@
+//! Algorithm 1, steps 1 and 2: a graph that grows from k₀ to k neighbours without shortcuts.
+
+use super::components::Forest;
+use super::{BoundedDijkstra, EdgeGraph, Neighbours};
+
+/// Parameters of Algorithm 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RefineParams {
+    /// k₀: neighbours in the sparse graph that geodesics start from.
+    pub initial_neighbours: usize,
+    /// τ: a candidate edge is kept while geodesic / Euclidean distance < τ.
+    pub ratio: f64,
+    /// T: iterations.
+    pub iterations: usize,
+}
+
+impl Default for RefineParams {
+    /// As printed in Algorithm 1: k₀ = 5, τ = 3.0, T = 3.
+    fn default() -> Self {
+        Self { initial_neighbours: 5, ratio: 3.0, iterations: 3 }
+    }
+}
+
+/// 𝒢^(T): the kept edges with their geodesic lengths.
+///
+/// A kept edge is a straight line, the shortest path there is, so d_g^(T) on 𝒢^(T) equals its Euclidean length.
+#[derive(Clone, Debug)]
+pub struct GeodesicGraph {
+    /// Kept edges, undirected: an edge is kept when it was a candidate of either end and passed.
+    pub edges: EdgeGraph,
+    /// What happened.
+    pub report: RefineReport,
+}
+
+/// What the refinement kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RefineReport {
+    /// Candidate edges (undirected).
+    pub candidates: usize,
+    /// Candidates left out of 𝒢^(T).
+    pub pruned: usize,
+    /// Rejected candidates taken back because leaving them out would have cut a piece in two.
+    pub bridges: usize,
+}
+
+/// Grows 𝒢^(0) (k₀-NN) to 𝒢^(T) (k-NN less shortcuts). `neighbours` holds the k candidates of each point.
+///
+/// Where the paper is silent: the graph is undirected (either end's candidate counts); coincident points keep their
+/// edge (the ratio 0/0 is 1); d_g = ∞ rejects, but the shortest rejected candidates are taken back where the k-NN
+/// graph is connected and 𝒢^(T) would not be. An edge once kept has d_g equal to its own length, so it stays, and only
+/// points that still have rejected candidates are searched again, no farther than τ times the longest of them.
+/// Paper Sec. 3.2, Algorithm 1.
+pub fn refine(neighbours: &Neighbours, params: &RefineParams) -> GeodesicGraph {
+    let n = neighbours.len();
+    let initial = params.initial_neighbours.min(neighbours.k());
+    let mut kept: Vec<(u32, u32, f64)> = Vec::with_capacity(n * neighbours.k());
+    let mut rejected: Vec<(u32, u32, f64)> = Vec::new();
+    for i in 0..n {
+        for (slot, (&j, &d)) in neighbours.of(i).iter().zip(neighbours.distances(i)).enumerate() {
+            if slot < initial || d == 0.0 { kept.push((i as u32, j, d)) } else { rejected.push((i as u32, j, d)) }
+        }
+    }
+    let candidates = EdgeGraph::from_edges(n, kept.iter().chain(&rejected).copied()).edge_count();
+    for _ in 0..params.iterations {
+        let graph = EdgeGraph::from_edges(n, kept.iter().copied());
+        let before = kept.len();
+        let mut search = BoundedDijkstra::new(&graph);
+        let mut still_rejected = Vec::new();
+        // `rejected` stays sorted by source, so each source is searched once.
+        for row in rejected.chunk_by(|a, b| a.0 == b.0) {
+            let (source, farthest) = (row[0].0, row.iter().fold(0.0, |m: f64, e| m.max(e.2)));
+            let reached = search.search(source, params.ratio * farthest);
+            for &edge in row {
+                let passes = reached.to(edge.1) < params.ratio * edge.2;
+                if passes { kept.push(edge) } else { still_rejected.push(edge) }
+            }
+        }
+        rejected = still_rejected;
+        if kept.len() == before {
+            break;
+        }
+    }
+    let bridges = bridges(n, &kept, &rejected);
+    let report_bridges = bridges.len();
+    kept.extend(bridges);
+    let edges = EdgeGraph::from_edges(n, kept);
+    let pruned = candidates - edges.edge_count();
+    GeodesicGraph { edges, report: RefineReport { candidates, pruned, bridges: report_bridges } }
+}
+
+/// The shortest rejected edges that join pieces the kept edges leave apart (Kruskal).
+fn bridges(n: usize, kept: &[(u32, u32, f64)], rejected: &[(u32, u32, f64)]) -> Vec<(u32, u32, f64)> {
+    let mut forest = Forest::new(n);
+    for &(i, j, _) in kept {
+        forest.join(i, j);
+    }
+    let mut by_length = rejected.to_vec();
+    by_length.sort_by(|a, b| a.2.total_cmp(&b.2).then((a.0, a.1).cmp(&(b.0, b.1))));
+    by_length.retain(|&(i, j, _)| forest.join(i, j));
+    by_length
+}

@@ -1,0 +1,67 @@
+//! Laplacians and mass: for meshes by cotangents, for clouds by Algorithm 1 of the paper.
+
+mod cotangent;
+mod geodesic;
+mod intrinsic;
+mod laplacian;
+mod mass;
+
+use crate::graph::{RefineParams, nearest_neighbours, refine};
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::shape::Shape;
+
+pub use geodesic::{GaussianParams, gaussian_laplacian, literal_laplacian};
+pub use cotangent::cotangent_laplacian;
+pub use laplacian::{Laplacian, LaplacianKind};
+pub use mass::cloud_mass;
+
+/// Why no Laplacian could be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OperatorError {
+    /// Cotangents need triangles.
+    #[error("a cotangent Laplacian needs faces, and this scan is a point cloud: choose the geodesic one")]
+    NeedsFaces,
+    /// The listener asked for a stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl OperatorError {
+    /// Stable machine-readable name.
+    pub fn code(&self) -> &'static str {
+        match self {
+            OperatorError::NeedsFaces => "needs-faces",
+            OperatorError::Cancelled(_) => "cancelled",
+        }
+    }
+}
+
+/// Cotangents where there are faces, else the geodesic Laplacian.
+pub fn default_kind(shape: &Shape) -> LaplacianKind {
+    if shape.faces().is_empty() { LaplacianKind::Geodesic } else { LaplacianKind::Cotangent }
+}
+
+/// The Laplacian of a shape, all points counting, in the unit of its points.
+pub fn laplacian(shape: &Shape, kind: LaplacianKind, progress: &mut Progress) -> Result<Laplacian, OperatorError> {
+    if kind == LaplacianKind::Cotangent {
+        progress.at(Stage::Laplacian, 0.0)?;
+        if shape.faces().is_empty() {
+            return Err(OperatorError::NeedsFaces);
+        }
+        return Ok(cotangent_laplacian(shape.points(), shape.faces()));
+    }
+    progress.at(Stage::Graph, 0.0)?;
+    let params = GaussianParams::default();
+    let neighbours = nearest_neighbours(shape.points(), params.neighbours);
+    progress.at(Stage::Graph, 0.5)?;
+    let graph = match kind {
+        LaplacianKind::Euclidean => neighbours.graph(),
+        _ => refine(&neighbours, &RefineParams::default()).edges,
+    };
+    progress.at(Stage::Laplacian, 0.0)?;
+    Ok(match kind {
+        LaplacianKind::GeodesicLiteral => literal_laplacian(&graph, neighbours.mean_distance()),
+        _ => gaussian_laplacian(shape.points(), &graph, &neighbours, kind),
+    })
+}

@@ -1,0 +1,148 @@
+//! What a user may ask for, with defaults.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::fmap::Refinement;
+use crate::operators::LaplacianKind;
+
+/// Options of [`prepare`](crate::prepare).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+pub struct PrepareOptions {
+    /// Points that take part in the matching; up to 1.5 times as many stay whole.
+    pub points: usize,
+    /// Whether faces count, or the scan is taken as a cloud.
+    pub faces: FaceUse,
+    /// Which Laplacian; by default cotangents on meshes and the geodesic one on clouds.
+    pub laplacian: Option<LaplacianKind>,
+    /// Eigenpairs k of the basis (paper: 120).
+    pub eigenpairs: usize,
+    /// The axis that points up, where it is known; only shown so far, since matching does not depend on it.
+    pub up: Option<Axis>,
+}
+
+impl Default for PrepareOptions {
+    fn default() -> Self {
+        Self { points: 5000, faces: FaceUse::Use, laplacian: None, eigenpairs: 120, up: None }
+    }
+}
+
+impl PrepareOptions {
+    /// Fewest points and eigenpairs that make a map, and the most eigenpairs.
+    pub fn check(&self) -> Result<(), OptionError> {
+        if self.points < 50 {
+            return Err(OptionError::out_of_range("points", self.points, "at least 50"));
+        }
+        if !(10..=1000).contains(&self.eigenpairs) {
+            return Err(OptionError::out_of_range("eigenpairs", self.eigenpairs, "between 10 and 1000"));
+        }
+        Ok(())
+    }
+}
+
+/// Whether the faces of a scan count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FaceUse {
+    /// Faces make it a mesh.
+    #[default]
+    Use,
+    /// Faces are dropped first; what is left is a cloud.
+    Ignore,
+}
+
+/// A coordinate axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// First coordinate.
+    X,
+    /// Second coordinate.
+    Y,
+    /// Third coordinate.
+    Z,
+}
+
+/// Options of [`match_shapes`](crate::match_shapes).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+pub struct MatchOptions {
+    /// Which part labels keep points of different parts apart.
+    pub parts: Parts,
+    /// How far the first map is polished.
+    pub refine: Refinement,
+    /// Pairs (uploaded index on A, uploaded index on B) known to correspond.
+    pub landmarks: Vec<[u32; 2]>,
+}
+
+/// Where part labels come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Parts {
+    /// Predicted by the network; this build has none, so it is refused.
+    Predicted,
+    /// Labels that came with both scans, as a hard mask.
+    Given,
+    /// None.
+    #[default]
+    None,
+}
+
+/// An option that has no meaning here.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct OptionError {
+    code: &'static str,
+    message: String,
+    details: Value,
+}
+
+impl OptionError {
+    /// Not understood at all: a wrong name, type or value.
+    pub fn invalid(reason: impl Into<String>) -> Self {
+        Self { code: "invalid-option", message: reason.into(), details: json!({}) }
+    }
+
+    pub(crate) fn out_of_range(option: &str, value: usize, range: &str) -> Self {
+        Self {
+            code: "invalid-option",
+            message: format!("{option} must be {range}, and {value} was asked for"),
+            details: json!({ "option": option, "value": value }),
+        }
+    }
+
+    pub(crate) fn no_weights() -> Self {
+        Self {
+            code: "not-in-build",
+            message: "this build has no network weights, so parts cannot be predicted: use \"given\" or \"none\"".into(),
+            details: json!({}),
+        }
+    }
+
+    pub(crate) fn no_labels(scan: &str) -> Self {
+        Self {
+            code: "no-labels",
+            message: format!("parts are to be as given, but scan {scan} came without labels"),
+            details: json!({ "scan": scan }),
+        }
+    }
+
+    pub(crate) fn landmark(index: u32, scan: &str, points: usize) -> Self {
+        Self {
+            code: "invalid-option",
+            message: format!("landmark index {index} is not a point of scan {scan}, which has {points}"),
+            details: json!({ "index": index, "scan": scan, "points": points }),
+        }
+    }
+
+    /// Stable machine-readable name.
+    pub fn code(&self) -> &'static str {
+        self.code
+    }
+
+    /// The numbers behind the sentence.
+    pub fn details(&self) -> Value {
+        self.details.clone()
+    }
+}

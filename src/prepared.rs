@@ -1,0 +1,255 @@
+//! A shape ready to be matched, and the flat block of bytes it travels in.
+//!
+//! The block is in the safetensors format: named tensors behind a JSON header. Whoever holds the bytes owns the shape; a worker that dies takes
+//! nothing with it.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+
+use ndarray::{Array1, Array2, Axis};
+use safetensors::tensor::{Dtype, SafeTensors, View, serialize};
+use serde::{Deserialize, Serialize};
+
+use crate::fmap::Matchable;
+use crate::operators::LaplacianKind;
+use crate::options;
+use crate::shape::{Repair, Shape};
+use crate::spectrum::SpectralBasis;
+
+/// Version of the block's layout.
+const FORMAT: &str = "geose-prepared 1";
+
+/// What was found about a scan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Info {
+    /// `"mesh"` or `"cloud"`, as it was used.
+    pub kind: ShapeKind,
+    /// File name, if one was given.
+    pub name: Option<String>,
+    /// Uploaded points.
+    pub points: usize,
+    /// Faces as read.
+    pub faces: usize,
+    /// Connected pieces of the surface or neighbourhood graph.
+    pub pieces: usize,
+    /// Points that take part in the matching.
+    pub points_used: usize,
+    /// `"m"`, `"cm"` or `"mm"` where the size fits a body, else nothing.
+    pub unit: Option<String>,
+    /// The coordinate axis a standing body would have upright: given, or clearly the longest.
+    pub up_axis: Option<options::Axis>,
+    /// √area in the unit of the upload: lengths are divided by it.
+    pub scale: f64,
+    /// The Laplacian in use.
+    pub laplacian: LaplacianKind,
+    /// Eigenpairs in the basis.
+    pub eigenpairs: usize,
+    /// Largest residual of the eigenpairs, relative to the largest eigenvalue.
+    pub residual: f64,
+    /// Seconds per stage.
+    pub seconds: BTreeMap<String, f64>,
+}
+
+/// Mesh or cloud.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ShapeKind {
+    /// With faces in use.
+    Mesh,
+    /// Points only.
+    Cloud,
+}
+
+/// Everything [`match_shapes`](crate::match_shapes) needs to know about one scan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PreparedShape {
+    /// The scan as read.
+    pub shape: Shape,
+    /// What was found about it.
+    pub info: Info,
+    /// Repairs of reading and of preparing.
+    pub repairs: Vec<Repair>,
+    /// Basis in the unit of the upload, at all points (n rows) or, for a sampled cloud, at the points used (p rows).
+    pub basis: SpectralBasis,
+    /// Uploaded index of each point used (p); `None` when all are.
+    pub samples: Option<Vec<u32>>,
+    /// Row of the point used that is nearest to each uploaded point (n); `None` when all are used.
+    pub nearest: Option<Vec<u32>>,
+    /// Rows of an even sampling of the points used, coarsest first.
+    pub coarse: Vec<u32>,
+    /// Descriptors (p, c).
+    pub features: Array2<f32>,
+}
+
+/// Bytes that are not a prepared shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("these bytes are not a prepared shape: {0}")]
+pub struct BlockError(String);
+
+impl BlockError {
+    /// Stable machine-readable name.
+    pub fn code(&self) -> &'static str {
+        "invalid-block"
+    }
+}
+
+impl PreparedShape {
+    /// Points used, p.
+    pub fn points_used(&self) -> usize {
+        self.samples.as_ref().map_or(self.shape.points().len(), Vec::len)
+    }
+
+    /// The uploaded index of a point used.
+    pub fn uploaded(&self, row: usize) -> usize {
+        self.samples.as_ref().map_or(row, |samples| samples[row] as usize)
+    }
+
+    /// The point used that stands for an uploaded point.
+    pub fn row_of(&self, uploaded: u32) -> u32 {
+        self.nearest.as_ref().map_or(uploaded, |nearest| nearest[uploaded as usize])
+    }
+
+    /// The shape at unit area, at the points used.
+    pub fn matchable(&self) -> Matchable {
+        let p = self.points_used();
+        let rows: Vec<usize> = (0..p).map(|row| self.uploaded(row)).collect();
+        let at_samples = self.basis.len() == p;
+        let eigenvectors =
+            if at_samples { self.basis.eigenvectors.clone() } else { self.basis.eigenvectors.select(Axis(0), &rows) };
+        // Samples of a larger basis stand for the mass around them.
+        let mut mass = Array1::zeros(p);
+        for (i, m) in self.basis.mass.iter().enumerate() {
+            mass[if at_samples { i } else { self.row_of(i as u32) as usize }] += m;
+        }
+        let area: f64 = mass.sum();
+        mass /= area;
+        let mut points = Array2::from_shape_fn((p, 3), |(row, c)| self.shape.points()[rows[row]][c]);
+        let centroid = mass.dot(&points);
+        points -= &centroid;
+        points /= area.sqrt();
+        let basis = SpectralBasis { eigenvalues: &self.basis.eigenvalues * area, eigenvectors: eigenvectors * area.sqrt(), mass };
+        Matchable { basis, points, features: self.features.clone(), coarse: self.coarse.clone() }
+    }
+
+    /// Names of the parts that the given labels number, while they are few enough to be parts.
+    fn parts(&self) -> Option<serde_json::Value> {
+        let highest = self.shape.labels()?.iter().copied().max().filter(|&highest| highest < 256)?;
+        let names: Vec<String> = (0..=highest).map(|part| format!("part {part}")).collect();
+        Some(serde_json::json!({ "names": names, "source": "given" }))
+    }
+
+    /// The flat block: safetensors, little-endian.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, BlockError> {
+        let (n, k) = (self.shape.points().len(), self.basis.k());
+        let eigenvectors = self.basis.eigenvectors.as_standard_layout();
+        let features = self.features.as_standard_layout();
+        let mut tensors = vec![
+            ("positions", Tensor::of(Dtype::F64, self.shape.points().as_flattened(), &[n, 3])),
+            ("faces", Tensor::of(Dtype::U32, self.shape.faces().as_flattened(), &[self.shape.faces().len(), 3])),
+            ("eigenvalues", Tensor::of(Dtype::F64, contiguous(self.basis.eigenvalues.as_slice())?, &[k])),
+            ("eigenvectors", Tensor::of(Dtype::F64, contiguous(eigenvectors.as_slice())?, &[self.basis.len(), k])),
+            ("mass", Tensor::of(Dtype::F64, contiguous(self.basis.mass.as_slice())?, &[self.basis.len()])),
+            ("coarse", Tensor::of(Dtype::U32, &self.coarse, &[self.coarse.len()])),
+            ("features", Tensor::of(Dtype::F32, contiguous(features.as_slice())?, features.shape())),
+        ];
+        let optional = [("labels", self.shape.labels()), ("samples", self.samples.as_deref()), ("nearest", self.nearest.as_deref())];
+        tensors.extend(optional.into_iter().filter_map(|(name, values)| Some((name, Tensor::of(Dtype::U32, values?, &[values?.len()])))));
+        let json = |value: Result<String, serde_json::Error>| value.map_err(|e| BlockError(e.to_string()));
+        let metadata = HashMap::from([
+            ("format".to_owned(), FORMAT.to_owned()),
+            ("info".to_owned(), json(serde_json::to_string(&self.info))?),
+            ("repairs".to_owned(), json(serde_json::to_string(&self.repairs))?),
+            ("parts".to_owned(), json(serde_json::to_string(&self.parts()))?),
+        ]);
+        serialize(tensors, Some(metadata)).map_err(|e| BlockError(e.to_string()))
+    }
+
+    /// Back from [`to_bytes`](Self::to_bytes).
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, BlockError> {
+        let fail = |reason: &str| BlockError(reason.to_owned());
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(|e| BlockError(e.to_string()))?;
+        let metadata = header.metadata().clone().unwrap_or_default();
+        if metadata.get("format").map(String::as_str) != Some(FORMAT) {
+            return Err(fail("another format or version"));
+        }
+        let text = |key: &str| metadata.get(key).ok_or_else(|| BlockError(format!("no {key}")));
+        let info: Info = serde_json::from_str(text("info")?).map_err(|e| BlockError(e.to_string()))?;
+        let repairs: Vec<Repair> = serde_json::from_str(text("repairs")?).map_err(|e| BlockError(e.to_string()))?;
+        let block = SafeTensors::deserialize(bytes).map_err(|e| BlockError(e.to_string()))?;
+        let u32s = |name: &str| values::<u32>(&block, name, Dtype::U32);
+        let f64s = |name: &str| values::<f64>(&block, name, Dtype::F64);
+        let optional = |name: &str| block.names().contains(&name).then(|| u32s(name)).transpose();
+
+        let points: Vec<[f64; 3]> = f64s("positions")?.as_chunks::<3>().0.to_vec();
+        let faces: Vec<[u32; 3]> = u32s("faces")?.as_chunks::<3>().0.to_vec();
+        let shape = Shape::already_valid(points, faces, optional("labels")?);
+        let (eigenvalues, mass) = (Array1::from(f64s("eigenvalues")?), Array1::from(f64s("mass")?));
+        let matrix = |e: ndarray::ShapeError| BlockError(e.to_string());
+        let eigenvectors =
+            Array2::from_shape_vec((mass.len(), eigenvalues.len()), f64s("eigenvectors")?).map_err(matrix)?;
+        let features = values::<f32>(&block, "features", Dtype::F32)?;
+        let (samples, nearest, coarse) = (optional("samples")?, optional("nearest")?, u32s("coarse")?);
+        let (n, p) = (shape.points().len(), samples.as_ref().map_or(shape.points().len(), Vec::len));
+        let below = |indices: &[u32], limit: usize| indices.iter().all(|&i| (i as usize) < limit);
+        let consistent = (mass.len() == n || mass.len() == p)
+            && samples.is_some() == nearest.is_some()
+            && samples.as_deref().is_none_or(|s| below(s, n))
+            && nearest.as_deref().is_none_or(|s| s.len() == n && below(s, p))
+            && below(&coarse, p)
+            && below(shape.faces().as_flattened(), n)
+            && shape.labels().is_none_or(|l| l.len() == n)
+            && p > 0
+            && features.len() % p == 0;
+        if !consistent {
+            return Err(fail("its tables do not fit together"));
+        }
+        let features = Array2::from_shape_vec((p, features.len() / p), features).map_err(matrix)?;
+        let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
+        Ok(Self { shape, info, repairs, basis, samples, nearest, coarse, features })
+    }
+}
+
+fn contiguous<T>(slice: Option<&[T]>) -> Result<&[T], BlockError> {
+    slice.ok_or_else(|| BlockError("a table is not contiguous".into()))
+}
+
+/// Values of a tensor, copied out because the block may lie at any address.
+fn values<T: bytemuck::Pod>(block: &SafeTensors<'_>, name: &str, dtype: Dtype) -> Result<Vec<T>, BlockError> {
+    let tensor = block.tensor(name).map_err(|e| BlockError(e.to_string()))?;
+    if tensor.dtype() != dtype {
+        return Err(BlockError(format!("{name} has the wrong type")));
+    }
+    Ok(bytemuck::allocation::pod_collect_to_vec(tensor.data()))
+}
+
+/// A borrowed tensor on its way into the block.
+struct Tensor<'a> {
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: &'a [u8],
+}
+
+impl<'a> Tensor<'a> {
+    fn of<T: bytemuck::NoUninit>(dtype: Dtype, values: &'a [T], shape: &[usize]) -> Self {
+        Self { dtype, shape: shape.to_vec(), bytes: bytemuck::cast_slice(values) }
+    }
+}
+
+impl View for Tensor<'_> {
+    fn dtype(&self) -> Dtype {
+        self.dtype
+    }
+
+    fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    fn data(&self) -> Cow<'_, [u8]> {
+        self.bytes.into()
+    }
+
+    fn data_len(&self) -> usize {
+        self.bytes.len()
+    }
+}

@@ -1,0 +1,184 @@
+//! Block Lanczos with thick restarts (Wu & Simon 2000) for the largest eigenvalues of an operator.
+//!
+//! The whole basis is kept orthogonal at every step, so the projected matrix VᵀAV is simply what orthogonalisation subtracted,
+//! restarts and extra starting vectors need no special case, and clusters up to the block size come out together.
+
+use faer::linalg::matmul::matmul;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, ColMut, Mat, MatMut, MatRef, Par, Side};
+
+/// A growing orthonormal basis V, and H = VᵀAV for those columns that A has been applied to.
+pub(super) struct Lanczos<A> {
+    /// Replaces the columns it is given by A times them.
+    apply: A,
+    basis: Mat<f64>,
+    projected: Mat<f64>,
+    /// Columns of V in use; the last `block` of them wait for A.
+    filled: usize,
+    block: usize,
+    /// R of the newest block: A V = V H + Q R on the last columns.
+    coupling: Mat<f64>,
+    random: Random,
+    /// Blocks A has been applied to.
+    pub(super) applications: usize,
+}
+
+/// Ritz pairs, largest values first.
+pub(super) struct Ritz {
+    pub(super) values: Vec<f64>,
+    /// Coefficients in the basis, one column per pair.
+    coefficients: Mat<f64>,
+    /// ‖A x − θ x‖ per pair.
+    pub(super) residuals: Vec<f64>,
+}
+
+impl<A: FnMut(MatMut<'_, f64>)> Lanczos<A> {
+    /// Starts from `known` (n, any), orthonormal eigenvectors of A for the eigenvalue `value`, and one random block.
+    /// `capacity` columns are the most that A is applied to.
+    pub(super) fn new(apply: A, known: MatRef<'_, f64>, value: f64, block: usize, capacity: usize) -> Self {
+        let n = known.nrows();
+        let mut this = Self {
+            apply,
+            basis: Mat::zeros(n, capacity + block),
+            projected: Mat::zeros(capacity + block, capacity + block),
+            filled: 0,
+            block,
+            coupling: Mat::zeros(block, block),
+            random: Random(0x9E37_79B9_7F4A_7C15),
+            applications: 0,
+        };
+        this.basis.subcols_mut(0, known.ncols()).copy_from(known);
+        (0..known.ncols()).for_each(|j| this.projected[(j, j)] = value);
+        this.filled = known.ncols();
+        this.push_block(|_, _| ());
+        this
+    }
+
+    /// Columns A has been applied to.
+    pub(super) fn applied(&self) -> usize {
+        self.filled - self.block
+    }
+
+    /// Whether another block fits.
+    pub(super) fn has_room(&self) -> bool {
+        self.filled + self.block <= self.basis.ncols()
+    }
+
+    /// One step: A times the waiting block, which becomes part of the projection; what is left waits next.
+    pub(super) fn step(&mut self) {
+        let remainder = self.apply_to_last_block();
+        let before = self.filled;
+        self.push_block(|column, j| column.copy_from(remainder.col(j)));
+        // R = QᵀW: what the new orthonormal block carries of the remainder.
+        matmul(
+            self.coupling.as_mut(),
+            Accum::Replace,
+            self.basis.subcols(before, self.block).transpose(),
+            remainder.as_ref(),
+            1.0,
+            Par::Seq,
+        );
+    }
+
+    /// Computes A times the last block, writes its column of H, and returns what is orthogonal to the basis.
+    fn apply_to_last_block(&mut self) -> Mat<f64> {
+        let (m, b) = (self.filled, self.block);
+        let mut w = self.basis.subcols(m - b, b).to_owned();
+        (self.apply)(w.as_mut());
+        self.applications += 1;
+        let v = self.basis.subcols(0, m);
+        let mut coefficients = Mat::<f64>::zeros(m, b);
+        // Twice is enough (Giraud, Langou & Rozložník 2005).
+        for _ in 0..2 {
+            let mut correction = Mat::<f64>::zeros(m, b);
+            matmul(correction.as_mut(), Accum::Replace, v.transpose(), w.as_ref(), 1.0, Par::Seq);
+            matmul(w.as_mut(), Accum::Add, v, correction.as_ref(), -1.0, Par::Seq);
+            coefficients += &correction;
+        }
+        for j in 0..b {
+            for i in 0..m {
+                self.projected[(i, m - b + j)] = coefficients[(i, j)];
+                self.projected[(m - b + j, i)] = coefficients[(i, j)];
+            }
+        }
+        w
+    }
+
+    /// Appends an orthonormal block: `fill` writes candidates into zeroed columns; columns it leaves at (nearly) nothing become random.
+    fn push_block(&mut self, fill: impl Fn(&mut ColMut<'_, f64>, usize)) {
+        for j in 0..self.block {
+            let (done, rest) = self.basis.as_mut().split_at_col_mut(self.filled + j);
+            let done = done.rb();
+            let mut column = rest.col_mut(0);
+            column.fill(0.0);
+            fill(&mut column, j);
+            let scale = column.norm_l2();
+            // Only within the block and against what rounding left: the candidate was orthogonal to the rest before.
+            let mut left = orthogonalise(column.rb_mut(), done);
+            while !(left > 1e-13 * scale) || left < 1e-280 {
+                column.rb_mut().iter_mut().for_each(|x| *x = self.random.next());
+                left = orthogonalise(column.rb_mut(), done);
+                if left > 1e-8 {
+                    break;
+                }
+            }
+            let inverse = 1.0 / left;
+            column.rb_mut().iter_mut().for_each(|x| *x *= inverse);
+            orthogonalise(column.rb_mut(), done);
+            let inverse = 1.0 / column.norm_l2();
+            column.rb_mut().iter_mut().for_each(|x| *x *= inverse);
+        }
+        self.filled += self.block;
+    }
+
+    /// Ritz pairs of everything A has been applied to.
+    pub(super) fn ritz(&self) -> Option<Ritz> {
+        let m = self.applied();
+        let eigen = self.projected.submatrix(0, 0, m, m).self_adjoint_eigen(Side::Lower).ok()?;
+        let coefficients = Mat::from_fn(m, m, |i, j| eigen.U()[(i, m - 1 - j)]);
+        let values: Vec<f64> = (0..m).map(|j| eigen.S()[m - 1 - j]).collect();
+        let last = self.block.min(m);
+        let tail = &self.coupling * coefficients.submatrix(m - last, 0, last, m);
+        let residuals = (0..m).map(|j| tail.col(j).norm_l2()).collect();
+        Some(Ritz { values, coefficients, residuals })
+    }
+
+    /// The first `count` Ritz vectors (n, count), orthonormal.
+    pub(super) fn vectors(&self, ritz: &Ritz, count: usize) -> Mat<f64> {
+        self.basis.subcols(0, self.applied()) * ritz.coefficients.subcols(0, count)
+    }
+
+    /// Keeps only the first `count` Ritz vectors, and the waiting block, or a random one in its place when `afresh`.
+    pub(super) fn restart(&mut self, ritz: &Ritz, count: usize, afresh: bool) {
+        let kept = self.vectors(ritz, count);
+        let waiting = self.basis.subcols(self.applied(), self.block).to_owned();
+        self.basis.subcols_mut(0, count).copy_from(&kept);
+        self.projected.fill(0.0);
+        for j in 0..count {
+            self.projected[(j, j)] = ritz.values[j];
+        }
+        self.filled = count;
+        self.push_block(|column, j| if !afresh { column.copy_from(waiting.col(j)) });
+    }
+}
+
+/// Subtracts from `column` its part in the orthonormal columns `done` and returns the norm of what is left.
+fn orthogonalise(mut column: ColMut<'_, f64>, done: MatRef<'_, f64>) -> f64 {
+    if done.ncols() > 0 {
+        let correction = done.transpose() * column.rb();
+        matmul(column.rb_mut().as_mat_mut(), Accum::Add, done, correction.as_ref().as_mat(), -1.0, Par::Seq);
+    }
+    column.norm_l2()
+}
+
+/// A small deterministic generator (xorshift*) of numbers in [−1, 1): starting vectors only.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}

@@ -1,0 +1,11 @@
+//! Eigenpairs of L φ = λ M φ and the basis they make.
+
+mod basis;
+mod dense;
+mod factor;
+mod lanczos;
+mod signs;
+mod solve;
+
+pub use basis::SpectralBasis;
+pub use solve::{SpectrumError, SpectrumReport, spectrum};

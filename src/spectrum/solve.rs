@@ -1,0 +1,368 @@
+//! The first eigenpairs of L φ = λ M φ, with proof that none is missing.
+
+use faer::prelude::ReborrowMut;
+use faer::{ColRef, Mat, MatMut};
+use ndarray::{Array1, Array2};
+use serde::Serialize;
+use sprs::CsMat;
+
+use super::SpectralBasis;
+use super::dense::smallest_eigenpairs;
+use super::factor::{Factor, Pencil};
+use super::lanczos::Lanczos;
+use super::signs::make_canonical;
+use crate::graph::components;
+use crate::progress::{Cancelled, Progress, Stage};
+
+/// Columns that are solved for, orthogonalised and found together.
+const BLOCK: usize = 6;
+/// Largest problem whose whole spectrum is computed at once.
+const DENSE: usize = 300;
+/// Residual of every pair, in the M⁻¹ norm and relative to the largest eigenvalue asked for.
+const RESIDUAL: f64 = 1e-6;
+/// Ritz residual in the shift-inverted operator, relative to its value. Two digits below what [`RESIDUAL`] needs, because
+/// L amplifies what little high frequency the residual has.
+const RITZ_RESIDUAL: f64 = 1e-10;
+/// Restarts before giving up; ordinary shapes need none or one.
+const RESTARTS: usize = 60;
+
+/// How the eigenpairs were found and how good they are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpectrumReport {
+    /// Solves with the factorised matrix, in blocks.
+    pub applications: usize,
+    /// Thick restarts.
+    pub restarts: usize,
+    /// Largest ‖Lφ − λMφ‖ in the M⁻¹ norm, divided by the largest eigenvalue found.
+    pub residual: f64,
+    /// Connected pieces, each with an eigenvalue zero of its own.
+    pub pieces: usize,
+    /// True when the inertia of L − μM proved that no eigenvalue below μ was missed.
+    pub complete: bool,
+}
+
+/// Why there are no eigenpairs.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SpectrumError {
+    /// Arrays of different lengths, unsorted columns, or an index out of range.
+    #[error("the matrix is not valid: {reason}")]
+    InvalidMatrix {
+        /// What is wrong.
+        reason: String,
+    },
+    /// Too few points with mass for even one eigenpair.
+    #[error("a spectrum needs at least 3 points with mass, and there are {found}")]
+    TooFewPoints {
+        /// Points with mass.
+        found: usize,
+    },
+    /// A negative or non-finite mass, or none where the matrix has entries.
+    #[error("point {index} has mass {mass}: it must be positive wherever the Laplacian has entries")]
+    InvalidMass {
+        /// First such point.
+        index: usize,
+        /// Its mass.
+        mass: f64,
+    },
+    /// NaN, infinite, or so indefinite that the shifted matrix has no factorisation.
+    #[error("the Laplacian could not be factorised: it is not a finite positive semi-definite matrix")]
+    NotFactorised,
+    /// More pairs asked for than fit in memory.
+    #[error("{eigenpairs} eigenpairs of {points} points need {bytes} bytes; ask for fewer")]
+    TooLarge {
+        /// Pairs asked for.
+        eigenpairs: usize,
+        /// Points.
+        points: usize,
+        /// Memory it would take.
+        bytes: u64,
+    },
+    /// The iteration ended before all pairs had the residual promised.
+    #[error("only {converged} of {wanted} eigenpairs converged (residual {residual:.1e})")]
+    NotConverged {
+        /// Pairs with a small enough residual.
+        converged: usize,
+        /// Pairs asked for.
+        wanted: usize,
+        /// Largest residual, relative to the largest eigenvalue.
+        residual: f64,
+    },
+    /// The listener asked for a stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl SpectrumError {
+    /// Stable machine-readable name.
+    pub fn code(&self) -> &'static str {
+        match self {
+            SpectrumError::InvalidMatrix { .. } => "invalid-matrix",
+            SpectrumError::TooFewPoints { .. } => "too-few-points",
+            SpectrumError::InvalidMass { .. } => "invalid-mass",
+            SpectrumError::NotFactorised => "not-factorised",
+            SpectrumError::TooLarge { .. } => "too-large",
+            SpectrumError::NotConverged { .. } => "not-converged",
+            SpectrumError::Cancelled(_) => "cancelled",
+        }
+    }
+
+    /// The numbers behind the sentence.
+    pub fn details(&self) -> serde_json::Value {
+        use serde_json::json;
+        match self {
+            SpectrumError::TooFewPoints { found } => json!({ "found": found }),
+            SpectrumError::InvalidMass { index, mass } => json!({ "index": index, "mass": mass }),
+            SpectrumError::TooLarge { eigenpairs, points, bytes } => {
+                json!({ "eigenpairs": eigenpairs, "points": points, "bytes": bytes })
+            }
+            SpectrumError::NotConverged { converged, wanted, residual } => {
+                json!({ "converged": converged, "wanted": wanted, "residual": residual })
+            }
+            SpectrumError::InvalidMatrix { .. } | SpectrumError::NotFactorised | SpectrumError::Cancelled(_) => json!({}),
+        }
+    }
+}
+
+/// The `eigenpairs` smallest eigenpairs of L φ = λ M φ, or n − 2 where there are not so many points.
+///
+/// L (n, n) is symmetric positive semi-definite with a full diagonal, `mass` (n) its lumped mass. Points without mass and
+/// without entries (vertices no face uses) take no part: their eigenfunctions are zero. ΦᵀMΦ = I to 1e-8 and every
+/// residual is within 1e-6 of the largest eigenvalue, or it is an error. The same input gives the same bytes.
+///
+/// Shift-inverted block Lanczos; the null vectors of the connected pieces are known and start the basis.
+pub fn spectrum(
+    matrix: &CsMat<f64>,
+    mass: &[f64],
+    eigenpairs: usize,
+    progress: &mut Progress,
+) -> Result<(SpectralBasis, SpectrumReport), SpectrumError> {
+    progress.at(Stage::Spectrum, 0.0)?;
+    let n = mass.len();
+    let active = active_points(matrix, mass)?;
+    let k = eigenpairs.min(n.saturating_sub(2)).min(active.len().saturating_sub(2));
+    if k == 0 {
+        return Err(SpectrumError::TooFewPoints { found: active.len() });
+    }
+    let (matrix, mass_of_active) = restrict(matrix, mass, &active);
+    let (eigenvalues, vectors, report) = solve(&matrix, &mass_of_active, k, progress)?;
+    let mut eigenvectors = Array2::zeros((n, k));
+    for (row, &i) in active.iter().enumerate() {
+        for j in 0..k {
+            eigenvectors[(i, j)] = vectors[(row, j)];
+        }
+    }
+    let basis =
+        SpectralBasis { eigenvalues: Array1::from(eigenvalues), eigenvectors, mass: Array1::from(mass.to_vec()) };
+    progress.at(Stage::Spectrum, 1.0)?;
+    Ok((basis, report))
+}
+
+/// Points that take part: all but those with neither mass nor entries.
+fn active_points(matrix: &CsMat<f64>, mass: &[f64]) -> Result<Vec<usize>, SpectrumError> {
+    if matrix.rows() != mass.len() || matrix.cols() != mass.len() || !matrix.is_csr() {
+        return Err(SpectrumError::InvalidMatrix {
+            reason: format!("{} × {} for {} masses", matrix.rows(), matrix.cols(), mass.len()),
+        });
+    }
+    let mut active = Vec::with_capacity(mass.len());
+    for (index, row) in matrix.outer_iterator().enumerate() {
+        let empty = row.iter().all(|(_, &value)| value == 0.0);
+        let mass = mass[index];
+        match mass {
+            m if m > 0.0 && m.is_finite() => active.push(index),
+            0.0 if empty => {}
+            _ => return Err(SpectrumError::InvalidMass { index, mass }),
+        }
+    }
+    Ok(active)
+}
+
+/// Rows and columns of the active points, with every diagonal entry present.
+fn restrict(matrix: &CsMat<f64>, mass: &[f64], active: &[usize]) -> (CsMat<f64>, Vec<f64>) {
+    let mut row_of = vec![usize::MAX; mass.len()];
+    for (row, &i) in active.iter().enumerate() {
+        row_of[i] = row;
+    }
+    let (mut indptr, mut indices, mut data) = (vec![0], Vec::with_capacity(matrix.nnz()), Vec::with_capacity(matrix.nnz()));
+    for (row, &i) in active.iter().enumerate() {
+        let mut diagonal = false;
+        if let Some(entries) = matrix.outer_view(i) {
+            for (j, &value) in entries.iter().filter(|&(j, _)| row_of[j] != usize::MAX) {
+                if !diagonal && row_of[j] >= row {
+                    diagonal = true;
+                    if row_of[j] > row {
+                        indices.push(row);
+                        data.push(0.0);
+                    }
+                }
+                indices.push(row_of[j]);
+                data.push(value);
+            }
+        }
+        if !diagonal {
+            indices.push(row);
+            data.push(0.0);
+        }
+        indptr.push(indices.len());
+    }
+    let size = active.len();
+    (CsMat::new((size, size), indptr, indices, data), active.iter().map(|&i| mass[i]).collect())
+}
+
+fn solve(
+    matrix: &CsMat<f64>,
+    mass: &[f64],
+    k: usize,
+    progress: &mut Progress,
+) -> Result<(Vec<f64>, Mat<f64>, SpectrumReport), SpectrumError> {
+    let n = mass.len();
+    let root_mass: Vec<f64> = mass.iter().map(|m| m.sqrt()).collect();
+    let edges = matrix.iter().filter(|&(&value, _)| value != 0.0).map(|(_, (i, j))| (i as u32, j as u32));
+    let (piece, pieces) = components(n, edges);
+    let subspace = (2 * k + 10 * BLOCK).max(40);
+    if n <= DENSE || (subspace + 2 * BLOCK >= n && n <= 10 * DENSE) {
+        let (values, vectors) = smallest_eigenpairs(matrix, &root_mass, k).ok_or(SpectrumError::NotFactorised)?;
+        let report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: true };
+        return finish(matrix, mass, &root_mass, values, vectors, report);
+    }
+    let bytes = (n as u64) * (subspace + 2 * k + 4 * BLOCK) as u64 * 8;
+    if subspace + 2 * BLOCK >= n || bytes > u64::from(u32::MAX) / 2 {
+        return Err(SpectrumError::TooLarge { eigenpairs: k, points: n, bytes });
+    }
+
+    let pencil = Pencil::new(matrix, mass).ok_or(SpectrumError::NotFactorised)?;
+    // By Weyl's law eigenvalues grow about linearly up to twice their mean, the k-th near 2 k/n of it; a tenth of that keeps L + shift·M
+    // well conditioned without blurring the low end.
+    let mean = matrix.diag_iter().zip(mass).map(|(d, m)| d.copied().unwrap_or(0.0) / m).sum::<f64>() / n as f64;
+    let shift = if mean > 0.0 && mean.is_finite() { 0.2 * mean * k as f64 / n as f64 } else { 1.0 };
+    let mut factor = pencil.factor(shift).ok_or(SpectrumError::NotFactorised)?;
+    progress.at(Stage::Spectrum, 0.1)?;
+
+    let known = null_vectors(matrix, &root_mass, &piece, pieces, k, mean);
+    let apply = |columns: MatMut<'_, f64>| apply_inverse(&mut factor, &root_mass, columns);
+    let capacity = subspace + known.ncols();
+    let mut lanczos = Lanczos::new(apply, known.as_ref(), 1.0 / shift, BLOCK, capacity);
+    let mut report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: false };
+    let mut next_look = lanczos.applied() + k + k / 2;
+    let (values, vectors) = loop {
+        while lanczos.has_room() && lanczos.applied() < next_look {
+            lanczos.step();
+            let share = lanczos.applied() as f64 / capacity as f64;
+            progress.at(Stage::Spectrum, 0.1 + 0.7 * share)?;
+        }
+        next_look = lanczos.applied() + (k / 5).max(2 * BLOCK);
+        let ritz = lanczos.ritz().ok_or(SpectrumError::NotFactorised)?;
+        let converged = (0..k).take_while(|&i| ritz.residuals[i] <= RITZ_RESIDUAL * ritz.values[i]).count();
+        if converged == k {
+            let eigenvalues: Vec<f64> = ritz.values.iter().map(|theta| 1.0 / theta - shift).collect();
+            match missed(&pencil, &eigenvalues, k) {
+                Some(0) => report.complete = true,
+                Some(_) if report.restarts < RESTARTS => {
+                    report.restarts += 1;
+                    lanczos.restart(&ritz, k, true);
+                    next_look = lanczos.applied() + k / 2 + 4 * BLOCK;
+                    continue;
+                }
+                _ => {}
+            }
+            break (eigenvalues[..k].to_vec(), lanczos.vectors(&ritz, k));
+        }
+        if !lanczos.has_room() {
+            if report.restarts == RESTARTS {
+                let residual = ritz.residuals[converged] / ritz.values[converged];
+                return Err(SpectrumError::NotConverged { converged, wanted: k, residual });
+            }
+            report.restarts += 1;
+            lanczos.restart(&ritz, k + (lanczos.applied() - k) / 3, false);
+            next_look = lanczos.applied() + k / 3;
+        }
+    };
+    report.applications = lanczos.applications;
+    progress.at(Stage::Spectrum, 0.9)?;
+    finish(matrix, mass, &root_mass, values, vectors, report)
+}
+
+/// Replaces columns y by M^½ (L + shift·M)⁻¹ M^½ y.
+fn apply_inverse(factor: &mut Factor<'_>, root_mass: &[f64], mut columns: MatMut<'_, f64>) {
+    let scale = |columns: &mut MatMut<'_, f64>| {
+        for column in columns.rb_mut().col_iter_mut() {
+            column.iter_mut().zip(root_mass).for_each(|(y, root)| *y *= root);
+        }
+    };
+    scale(&mut columns);
+    factor.solve(columns.rb_mut());
+    scale(&mut columns);
+}
+
+/// M^½ times the indicator of each piece, normalised, as far as they really are null vectors of L (rows that sum to zero)
+/// and no more than k of them.
+fn null_vectors(
+    matrix: &CsMat<f64>,
+    root_mass: &[f64],
+    piece: &[u32],
+    pieces: usize,
+    k: usize,
+    mean_eigenvalue: f64,
+) -> Mat<f64> {
+    let balanced = matrix.outer_iterator().zip(root_mass).all(|(row, root)| {
+        let sum: f64 = row.iter().map(|(_, &value)| value).sum();
+        sum.abs() <= 1e-10 * mean_eigenvalue * root * root
+    });
+    let count = if balanced { pieces.min(k) } else { 0 };
+    let mut squared = vec![0.0; pieces];
+    for (&p, root) in piece.iter().zip(root_mass) {
+        squared[p as usize] += root * root;
+    }
+    let mut vectors = Mat::zeros(root_mass.len(), count);
+    for (i, (&p, root)) in piece.iter().zip(root_mass).enumerate() {
+        if (p as usize) < count {
+            vectors[(i, p as usize)] = root / squared[p as usize].sqrt();
+        }
+    }
+    vectors
+}
+
+/// How many eigenvalues lie below the k-th (or below the last clear gap before it) beyond those found.
+/// `None` when no gap is wide enough, or the factorisation breaks down, so that nothing can be said.
+fn missed(pencil: &Pencil<'_>, eigenvalues: &[f64], k: usize) -> Option<usize> {
+    let clear = 1e-6 * eigenvalues[k - 1];
+    let cut = (1..=k).rev().find(|&c| c < eigenvalues.len() && eigenvalues[c] - eigenvalues[c - 1] > clear)?;
+    let mu = eigenvalues[cut - 1] + 0.1 * (eigenvalues[cut] - eigenvalues[cut - 1]).min(1e3 * clear);
+    let below = pencil.factor(-mu)?.negative_pivots();
+    Some(below.saturating_sub(cut))
+}
+
+/// From orthonormal vectors y to eigenfunctions φ = M^−½y: sorted, signed, and their residual measured.
+fn finish(
+    matrix: &CsMat<f64>,
+    mass: &[f64],
+    root_mass: &[f64],
+    values: Vec<f64>,
+    mut vectors: Mat<f64>,
+    mut report: SpectrumReport,
+) -> Result<(Vec<f64>, Mat<f64>, SpectrumReport), SpectrumError> {
+    for column in vectors.as_mut().col_iter_mut() {
+        column.iter_mut().zip(root_mass).for_each(|(y, root)| *y /= root);
+    }
+    make_canonical(vectors.as_mut(), mass);
+    let largest = values.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+    let residuals: Vec<f64> = (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
+    report.residual = residuals.iter().copied().fold(0.0, f64::max);
+    // Written so that NaN fails too. With all eigenvalues zero there is nothing to be relative to.
+    if !(report.residual <= RESIDUAL) && largest > f64::MIN_POSITIVE {
+        let converged = residuals.iter().filter(|&&r| r <= RESIDUAL).count();
+        return Err(SpectrumError::NotConverged { converged, wanted: values.len(), residual: report.residual });
+    }
+    let values = values.into_iter().map(|value| value.max(0.0)).collect();
+    Ok((values, vectors, report))
+}
+
+/// ‖Lφ − λMφ‖ in the M⁻¹ norm.
+fn residual(matrix: &CsMat<f64>, mass: &[f64], phi: ColRef<'_, f64>, lambda: f64) -> f64 {
+    let squares = matrix.outer_iterator().zip(mass).enumerate().map(|(i, (row, m))| {
+        let product: f64 = row.iter().map(|(j, &value)| value * phi[j]).sum();
+        (product - lambda * m * phi[i]).powi(2) / m
+    });
+    squares.sum::<f64>().sqrt()
+}

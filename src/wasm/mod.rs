@@ -1,0 +1,141 @@
+//! What JavaScript calls: convert, call, convert back. Everything here is synchronous and runs inside a worker.
+//!
+//! A typed error is thrown as a plain object `{ code, message, details }`; anything else that is thrown is a trap, after which the
+//! instance must be discarded.
+
+mod convert;
+
+use js_sys::Function;
+use wasm_bindgen::prelude::*;
+
+use crate::error::Error;
+use crate::options::{MatchOptions, OptionError, PrepareOptions};
+use crate::prepared::PreparedShape;
+use crate::progress::Progress;
+use crate::read::Format;
+use crate::shape::Shape;
+use crate::{Cpu, operators, pipeline, spectrum as spectra};
+use convert::{LaplacianOptions, SpectrumOptions, laplacian_to_js, match_to_js, matrix_from_csr, options, spectrum_to_js, throw};
+
+#[wasm_bindgen(start)]
+fn start() {
+    console_error_panic_hook::set_once();
+}
+
+/// A scan as read, not yet prepared.
+#[wasm_bindgen]
+pub struct RawShape {
+    shape: Shape,
+    name: Option<String>,
+}
+
+/// Reads a file's bytes. `format` is an extension's name where the bytes do not tell.
+#[wasm_bindgen]
+pub fn read_file(bytes: &[u8], name: Option<String>, format: Option<String>) -> Result<RawShape, JsValue> {
+    let format: Option<Format> = format.map(|f| f.parse()).transpose().map_err(|e| throw(Error::Read(e)))?;
+    let shape = crate::read::read(bytes, name.as_deref(), format).map_err(throw)?;
+    Ok(RawShape { shape, name })
+}
+
+/// A scan from arrays: positions (3n), faces (3m), labels (n).
+#[wasm_bindgen]
+pub fn read_arrays(
+    positions: &[f64],
+    faces: Option<Vec<u32>>,
+    labels: Option<Vec<u32>>,
+    name: Option<String>,
+) -> Result<RawShape, JsValue> {
+    let faces = faces.unwrap_or_default();
+    let shape = Shape::from_arrays(positions, &faces, labels.as_deref()).map_err(|e| throw(e.into()))?;
+    Ok(RawShape { shape, name })
+}
+
+/// Consumes the scan and returns the prepared block.
+#[wasm_bindgen]
+pub fn prepare(shape: RawShape, options_given: JsValue, listener: &Function) -> Result<Vec<u8>, JsValue> {
+    let options: PrepareOptions = options(&options_given)?;
+    let RawShape { shape, name } = shape;
+    let prepared = pipeline::prepare(shape, name, &options, &mut progress(listener)).map_err(throw)?;
+    prepared.to_bytes().map_err(|e| throw(e.into()))
+}
+
+/// Consumes the scan and returns its Laplacian, every point counting.
+#[wasm_bindgen]
+pub fn laplacian(shape: RawShape, options_given: JsValue, listener: &Function) -> Result<JsValue, JsValue> {
+    laplacian_of(&shape.shape, &options_given, listener)
+}
+
+/// The same for the scan inside a prepared block.
+#[wasm_bindgen]
+pub fn laplacian_of_prepared(block: &[u8], options_given: JsValue, listener: &Function) -> Result<JsValue, JsValue> {
+    let prepared = PreparedShape::from_bytes(block).map_err(|e| throw(e.into()))?;
+    laplacian_of(&prepared.shape, &options_given, listener)
+}
+
+fn laplacian_of(shape: &Shape, options_given: &JsValue, listener: &Function) -> Result<JsValue, JsValue> {
+    let LaplacianOptions { kind } = options(options_given)?;
+    let kind = kind.unwrap_or_else(|| operators::default_kind(shape));
+    let laplacian = operators::laplacian(shape, kind, &mut progress(listener)).map_err(|e| throw(e.into()))?;
+    laplacian_to_js(&laplacian)
+}
+
+/// Eigenpairs of a Laplacian given as compressed rows.
+#[wasm_bindgen]
+pub fn spectrum(
+    indptr: &[u32],
+    indices: &[u32],
+    values: Vec<f64>,
+    mass: &[f64],
+    options_given: JsValue,
+    listener: &Function,
+) -> Result<JsValue, JsValue> {
+    let SpectrumOptions { eigenpairs } = options(&options_given)?;
+    let matrix = matrix_from_csr(indptr, indices, values, mass.len()).map_err(|e| throw(e.into()))?;
+    let (basis, report) =
+        spectra::spectrum(&matrix, mass, eigenpairs, &mut progress(listener)).map_err(|e| throw(e.into()))?;
+    spectrum_to_js(&basis, &report)
+}
+
+/// Matches two prepared blocks.
+#[wasm_bindgen]
+pub fn match_pair(a: &[u8], b: &[u8], options_given: JsValue, listener: &Function) -> Result<JsValue, JsValue> {
+    let options: MatchOptions = options(&options_given)?;
+    let block = |bytes| PreparedShape::from_bytes(bytes).map_err(|e| throw(e.into()));
+    let (a, b) = (block(a)?, block(b)?);
+    let mut progress = progress(listener);
+    // Nothing on the CPU ever waits, so this only runs the future through.
+    let matched = pollster::block_on(pipeline::match_shapes(&Cpu, &a, &b, &options, &mut progress)).map_err(throw)?;
+    match_to_js(&matched, memory_bytes())
+}
+
+/// Version of the crate.
+#[wasm_bindgen]
+pub fn version() -> String {
+    env!("CARGO_PKG_VERSION").into()
+}
+
+/// Bytes of linear memory. It never shrinks, so this is its peak.
+#[wasm_bindgen]
+pub fn memory_bytes() -> f64 {
+    core::arch::wasm32::memory_size(0) as f64 * 65_536.0
+}
+
+/// Traps, so that tests can see a caller recover from a trap.
+#[wasm_bindgen]
+pub fn trap() {
+    core::arch::wasm32::unreachable()
+}
+
+fn progress(listener: &Function) -> Progress<'_> {
+    Progress::new(|stage, fraction| {
+        // A listener cannot stop a wasm call; what it throws is its own concern.
+        let _ = listener.call2(&JsValue::UNDEFINED, &stage.name().into(), &fraction.into());
+        true
+    })
+}
+
+
+/// Options that are not what they should be, in a sentence.
+fn invalid(reason: impl ToString) -> JsValue {
+    throw(OptionError::invalid(reason.to_string()).into())
+}

@@ -1,0 +1,18 @@
+//! What the readers read, what they repair and say, and what they refuse and why. Inputs are built here, small.
+
+#[path = "readers/gltf.rs"]
+mod gltf;
+#[path = "readers/hostile.rs"]
+mod hostile;
+#[path = "readers/obj.rs"]
+mod obj;
+#[path = "readers/off.rs"]
+mod off;
+#[path = "readers/ply.rs"]
+mod ply;
+#[path = "readers/sample.rs"]
+mod sample;
+#[path = "readers/shape.rs"]
+mod shape;
+#[path = "readers/sniffing.rs"]
+mod sniffing;

@@ -1,0 +1,114 @@
+//! Nothing a file can hold makes a reader panic, hang or take memory the file does not account for.
+
+use std::time::{Duration, Instant};
+
+use geose_fmap::read;
+
+use crate::sample::all_formats;
+
+/// A small generator with a period long enough for a test (SplitMix64, Steele et al. 2014).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) % bound as u64) as usize
+    }
+}
+
+/// Reads and insists on a shape or an error with a code and a sentence.
+fn survives(bytes: &[u8], name: &str) -> bool {
+    let start = Instant::now();
+    let result = read(bytes, Some(name), None);
+    assert!(start.elapsed() < Duration::from_secs(10), "{name}: {} bytes took {:?}", bytes.len(), start.elapsed());
+    match result {
+        Ok(shape) => {
+            let points = shape.points().len();
+            assert!(shape.faces().iter().flatten().all(|&i| (i as usize) < points));
+            true
+        }
+        Err(error) => {
+            assert!(!error.code().is_empty() && error.details().is_object() && error.to_string().len() > 10);
+            false
+        }
+    }
+}
+
+#[test]
+fn a_file_cut_anywhere_is_a_shape_or_an_error() {
+    for (name, bytes) in all_formats() {
+        let read = (0..bytes.len()).filter(|&end| survives(&bytes[..end], name)).count();
+        assert!(read < bytes.len(), "{name}: some cut must be refused");
+        if name.ends_with("little.ply") || name.ends_with("big.ply") || name.ends_with("glb") {
+            assert_eq!(read, 0, "{name}: every cut of a binary file is noticed");
+        }
+    }
+}
+
+#[test]
+fn flipped_bytes_are_survived() {
+    for (name, bytes) in all_formats() {
+        let mut random = Random(1);
+        for _ in 0..2000 {
+            let mut broken = bytes.clone();
+            for _ in 0..=random.below(8) {
+                let at = random.below(broken.len());
+                broken[at] = random.below(256) as u8;
+            }
+            survives(&broken, name);
+        }
+    }
+}
+
+#[test]
+fn broken_headers_are_survived() {
+    let pieces: [&[u8]; 12] = [
+        b"4294967295",
+        b"-1",
+        b"9999999999999999999999",
+        b"\n",
+        b"\0",
+        b"nan",
+        b"1e400",
+        b" ",
+        b"{",
+        b"[",
+        b"list",
+        b"\"",
+    ];
+    for (name, bytes) in all_formats() {
+        let mut random = Random(2);
+        for _ in 0..2000 {
+            let at = random.below(bytes.len().min(900));
+            let cut = random.below(6);
+            let piece = pieces[random.below(pieces.len())];
+            survives(&[&bytes[..at], piece, &bytes[(at + cut).min(bytes.len())..]].concat(), name);
+        }
+    }
+}
+
+#[test]
+fn noise_behind_every_magic_word_is_survived() {
+    let mut random = Random(3);
+    for magic in ["", "OFF\n", "ply\n", "v 0 0 0\n", "glTF\x02\0\0\0", "{"] {
+        for length in 0..300 {
+            let noise: Vec<u8> = (0..length).map(|_| random.below(256) as u8).collect();
+            for name in ["a.off", "a.ply", "a.obj", "a.glb", "a.gltf"] {
+                survives(&[magic.as_bytes(), &noise].concat(), name);
+            }
+        }
+    }
+}
+
+#[test]
+fn one_enormous_polygon_and_one_enormous_line_are_survived() {
+    let corners = (0..400_000).map(|i| (i % 64).to_string()).collect::<Vec<_>>().join(" ");
+    let points: String = (0..64).map(|i| format!("{} {} {}\n", i % 8, i / 8, i % 5)).collect();
+    assert!(survives(format!("OFF\n64 1 0\n{points}400000 {corners}\n").as_bytes(), "a.off"));
+    survives(" ".repeat(2_000_000).as_bytes(), "a.obj");
+    survives("v 1 2 3 \\\n".repeat(200_000).as_bytes(), "a.obj");
+    survives(format!("v {} 0 0", "1".repeat(1_000_000)).as_bytes(), "a.obj");
+}
