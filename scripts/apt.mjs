@@ -14,10 +14,7 @@ export function ensurePackages(names, why) {
   const missing = names.filter((name) => !installed(name));
   if (missing.length === 0) return;
   const install = ['install', '-y', '--no-install-recommends', ...missing];
-  if (!isRoot())
-    throw new Failure(
-      `${why}. Run this once, then try again:\n  sudo apt-get update && sudo apt-get ${install.join(' ')}`,
-    );
+  if (!isRoot()) throw new Failure(`${why}. Run this once, then try again:\n  sudo apt-get update && sudo apt-get ${install.join(' ')}`);
   say(`${why}: apt-get ${install.join(' ')}`);
   const env = environment([], { DEBIAN_FRONTEND: 'noninteractive' });
   run('apt-get', ['update', '-q'], { env });

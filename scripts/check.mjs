@@ -9,8 +9,7 @@ import { toolFolders } from './tools.mjs';
 export async function check() {
   const wasm = wasmEnvironment();
   const node = environment(toolFolders);
-  const clippy = (args, env) =>
-    run('cargo', ['clippy', '--quiet', '--locked', ...args, '--', '-D', 'warnings'], { env });
+  const clippy = (args, env) => run('cargo', ['clippy', '--quiet', '--locked', ...args, '--', '-D', 'warnings'], { env });
   const checks = {
     'cargo fmt': () => run('cargo', ['fmt', '--check']),
     clippy: () => clippy(['--all-targets']),

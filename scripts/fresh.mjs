@@ -23,8 +23,7 @@ export async function once(name, { inputs, outputs, also = '' }, make) {
 
 function fingerprint(inputs, also) {
   const hash = createHash('sha256').update(also);
-  for (const file of inputs.flatMap(filesOf).sort())
-    hash.update(`\n${file}\n`).update(readFileSync(path.join(root, file)));
+  for (const file of inputs.flatMap(filesOf).sort()) hash.update(`\n${file}\n`).update(readFileSync(path.join(root, file)));
   return hash.digest('hex');
 }
 

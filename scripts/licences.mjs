@@ -35,13 +35,9 @@ export function checkLicences() {
     const name = place.replace(/^.*node_modules\//, '');
     if (!allows(license) && !BUILD_ONLY[license]?.test(name)) refused.add(`npm package ${name} ${version}: ${license}`);
   }
-  if (crates.length === 0 || modules.length === 0)
-    throw new Failure('No dependencies found: the licence check looked in the wrong place.');
-  if (refused.size > 0)
-    throw new Failure(`Licences that are not on the list in scripts/licences.mjs:\n  ${[...refused].join('\n  ')}`);
-  console.log(
-    `licences: ${new Set(crates.map(({ id }) => id)).size} crates and ${modules.length} npm packages, all permissive`,
-  );
+  if (crates.length === 0 || modules.length === 0) throw new Failure('No dependencies found: the licence check looked in the wrong place.');
+  if (refused.size > 0) throw new Failure(`Licences that are not on the list in scripts/licences.mjs:\n  ${[...refused].join('\n  ')}`);
+  console.log(`licences: ${new Set(crates.map(({ id }) => id)).size} crates and ${modules.length} npm packages, all permissive`);
 }
 
 /** Whether an SPDX expression can be satisfied with allowed licences. Old manifests write `/` for OR. */

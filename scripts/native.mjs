@@ -2,11 +2,7 @@
 import path from 'node:path';
 import { main, root, run } from './run.mjs';
 
-export const nativeProgram = path.join(
-  root,
-  'target/release',
-  process.platform === 'win32' ? 'geose-fmap.exe' : 'geose-fmap',
-);
+export const nativeProgram = path.join(root, 'target/release/geose-fmap');
 
 export function buildNative() {
   run('cargo', ['build', '--release', '--locked', '--bin', 'geose-fmap']);

@@ -18,8 +18,7 @@ const json = (name) => JSON.parse(readFileSync(at(name), 'utf8'));
 function version() {
   const { version } = json('pkg-template/package.json');
   const crate = /^version = "([^"]+)"/m.exec(readFileSync(at('Cargo.toml'), 'utf8'))?.[1];
-  if (version !== crate)
-    throw new Failure(`pkg-template/package.json says ${version}, Cargo.toml ${crate}: make them the same.`);
+  if (version !== crate) throw new Failure(`pkg-template/package.json says ${version}, Cargo.toml ${crate}: make them the same.`);
   return version;
 }
 
@@ -32,15 +31,7 @@ export function compilePackage() {
 export async function buildPackage() {
   await buildWasm();
   version();
-  const inputs = [
-    ...TEMPLATE,
-    ...LICENCES,
-    ...MODULE,
-    'Cargo.lock',
-    'package-lock.json',
-    'scripts/package.mjs',
-    'scripts/licences.mjs',
-  ];
+  const inputs = [...TEMPLATE, ...LICENCES, ...MODULE, 'Cargo.lock', 'package-lock.json', 'scripts/package.mjs', 'scripts/licences.mjs'];
   await once('package', { inputs, outputs: [`${FOLDER}/package.json`, `${FOLDER}/geose_fmap_bg.wasm`] }, () => {
     rmSync(at(FOLDER), { recursive: true, force: true });
     compilePackage();

@@ -11,19 +11,18 @@ export const root = path.resolve(import.meta.dirname, '..');
 export class Failure extends Error {}
 
 /** Runs a program with its output shown; throws a `Failure` unless it ends with 0. */
-export function run(program, args, { env = process.env, cwd = root, timeout } = {}) {
+export function run(program, args, { env = environment(), cwd = root, timeout } = {}) {
   const { status, signal, error } = spawnSync(program, args, {
     cwd,
     env,
     timeout,
     stdio: ['ignore', 'inherit', 'inherit'],
   });
-  if (status !== 0)
-    throw new Failure(`${program} ${args.join(' ')}: ${error?.message ?? signal ?? `exit code ${status}`}`);
+  if (status !== 0) throw new Failure(`${program} ${args.join(' ')}: ${error?.message ?? signal ?? `exit code ${status}`}`);
 }
 
 /** What a program wrote to standard output, trimmed; `null` when it is missing or fails. */
-export function output(program, args, { env = process.env, cwd = root } = {}) {
+export function output(program, args, { env = environment(), cwd = root } = {}) {
   const { status, stdout } = spawnSync(program, args, {
     cwd,
     env,
@@ -35,27 +34,25 @@ export function output(program, args, { env = process.env, cwd = root } = {}) {
 }
 
 /** Absolute path of the first of `names` that is a program on the PATH; `null` if none is. */
-export function which(names, searchPath = process.env.PATH ?? '') {
-  const endings = process.platform === 'win32' ? ['.exe', '.cmd'] : [''];
+export function which(names) {
   for (const name of names) {
-    for (const folder of searchPath.split(path.delimiter)) {
-      for (const ending of endings) {
-        const file = path.join(folder, name + ending);
-        try {
-          accessSync(file, constants.X_OK);
-          return file;
-        } catch {
-          // not here: look in the next folder
-        }
+    for (const folder of (process.env.PATH ?? '').split(path.delimiter)) {
+      const file = path.join(folder, name);
+      try {
+        accessSync(file, constants.X_OK);
+        return file;
+      } catch {
+        // not here: look in the next folder
       }
     }
   }
   return null;
 }
 
-/** An environment with `folders` first on the PATH and `more` on top. */
+/** An environment with `folders` first on the PATH and `more` on top. What cargo builds is in target/, wherever it goes elsewhere. */
 export function environment(folders = [], more = {}) {
-  return { ...process.env, ...more, PATH: [...folders, process.env.PATH ?? ''].join(path.delimiter) };
+  const PATH = [...folders, process.env.PATH ?? ''].join(path.delimiter);
+  return { ...process.env, CARGO_TARGET_DIR: path.join(root, 'target'), ...more, PATH };
 }
 
 /** Calls `action` if the module with this `import.meta` is the script that was started, and turns what it throws into an exit code. */

@@ -19,8 +19,7 @@ const DEBIAN = { RUSTUP_TOOLCHAIN: 'debian', CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN
  * Installs what is missing.
  */
 export function wasmRust() {
-  if (!output('cargo', ['--version']))
-    throw new Failure('Rust is missing: install it from https://rustup.rs and try again.');
+  if (!output('cargo', ['--version'])) throw new Failure('Rust is missing: install it from https://rustup.rs and try again.');
   if (hasTarget()) return {};
   if (debianIsReady()) return DEBIAN;
   if (output('rustup', ['--version'])) {
@@ -64,10 +63,7 @@ function installDebian() {
 
 /** Builds std from Debian's sources as a dependency of an empty crate, and puts it where the compiler looks. */
 function buildStd(version) {
-  if (!isRoot())
-    throw new Failure(
-      `The standard library for ${TARGET} goes to ${DEBIAN_STD}: run "npm run toolchain" once as root.`,
-    );
+  if (!isRoot()) throw new Failure(`The standard library for ${TARGET} goes to ${DEBIAN_STD}: run "npm run toolchain" once as root.`);
   say(`building std for ${TARGET} with ${version}`);
   const crate = mkdtempSync(path.join(tmpdir(), 'wasm32-std-'));
   mkdirSync(path.join(crate, 'src'));
@@ -86,8 +82,7 @@ function buildStd(version) {
   rmSync(DEBIAN_STD, { recursive: true, force: true });
   mkdirSync(DEBIAN_STD, { recursive: true });
   for (const name of readdirSync(built)) {
-    if (name.endsWith('.rlib') && !name.startsWith('libempty-'))
-      cpSync(path.join(built, name), path.join(DEBIAN_STD, name));
+    if (name.endsWith('.rlib') && !name.startsWith('libempty-')) cpSync(path.join(built, name), path.join(DEBIAN_STD, name));
   }
   writeFileSync(MARKER, `${version}\n`);
   rmSync(crate, { recursive: true, force: true });

@@ -22,7 +22,5 @@ export function checkSize(file) {
   console.log(`${path.basename(file)}: ${told.join(', ')}`);
   const over = Object.keys(BUDGET).filter((kind) => size[kind] > BUDGET[kind]);
   if (over.length > 0)
-    throw new Failure(
-      `${file} is over its budget (${over.join(', ')}): make it smaller, or argue for a new budget in scripts/size.mjs.`,
-    );
+    throw new Failure(`${file} is over its budget (${over.join(', ')}): make it smaller, or argue for a new budget in scripts/size.mjs.`);
 }

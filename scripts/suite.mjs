@@ -18,8 +18,7 @@ const LIMIT = 30 * 60_000;
 /** Runs a test program; resolves to `{ passed, failed, skipped }`. A program that fails, or runs nothing, has at least one failure. */
 export async function runSuite(program, args, env) {
   const { status, text } = await tee(program, args, env);
-  const sum = (kind) =>
-    CLOSINGS.flatMap((closing) => [...text.matchAll(closing[kind])]).reduce((total, [, n]) => total + Number(n), 0);
+  const sum = (kind) => CLOSINGS.flatMap((closing) => [...text.matchAll(closing[kind])]).reduce((total, [, n]) => total + Number(n), 0);
   const counts = { passed: sum('passed'), failed: sum('failed'), skipped: sum('skipped') };
   if (counts.passed + counts.failed === 0) {
     console.log(`✖ nothing ran (exit code ${status})`);

@@ -60,8 +60,7 @@ function runNode(folder, variables) {
 
 await main(import.meta, async (names) => {
   const unknown = names.filter((name) => !(name in SUITES));
-  if (unknown.length > 0)
-    throw new Failure(`No such suite: ${unknown.join(', ')}. There are ${Object.keys(SUITES).join(', ')}.`);
+  if (unknown.length > 0) throw new Failure(`No such suite: ${unknown.join(', ')}. There are ${Object.keys(SUITES).join(', ')}.`);
   wasmEnvironment();
   const total = { passed: 0, failed: 0, skipped: 0 };
   const lines = [];

@@ -10,7 +10,10 @@ export function wasmEnvironment() {
   ensureNodeModules();
   const rust = wasmRust();
   ensureTools();
-  return environment(toolFolders, rust);
+  // Cargo would take RUSTFLAGS instead of those in .cargo/config.toml.
+  const { RUSTFLAGS, ...env } = environment(toolFolders, rust);
+  if (RUSTFLAGS) console.log(`not used for wasm32: RUSTFLAGS=${RUSTFLAGS}`);
+  return env;
 }
 
 await main(import.meta, () => {

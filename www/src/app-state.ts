@@ -4,7 +4,7 @@ import type { Side } from './side';
 import { createStore, type Store } from './store';
 
 /** What the user may choose about preparing a scan; a missing key leaves the choice to the package. */
-export type PrepareChoices = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs'>;
+export type PrepareChoices = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>;
 
 /** What the user may choose about matching; landmarks are kept apart because they belong to one pair. */
 export type MatchChoices = Pick<MatchOptions, 'refine' | 'parts'>;

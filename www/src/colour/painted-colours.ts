@@ -81,7 +81,7 @@ const placesKept = new WeakMap<PreparedShape, Float32Array>();
 function placesOf(shape: PreparedShape): Float32Array {
   const kept = placesKept.get(shape);
   if (kept) return kept;
-  const places = placeColours(displayFrame(shape.geometry().positions, shape.info.upAxis).positions);
+  const places = placeColours(displayFrame(shape.geometry().positions, shape.info).positions);
   placesKept.set(shape, places);
   return places;
 }

@@ -23,6 +23,7 @@ function prepareChoices(form: FormData): PrepareChoices {
     ...numeric(form, 'points'),
     ...numeric(form, 'eigenpairs'),
     ...(form.get('faces') === 'ignore' && { faces: 'ignore' as const }),
+    ...(form.get('up') !== '' && { up: form.get('up') as NonNullable<PrepareChoices['up']> }),
     ...(form.get('laplacian') !== '' && { laplacian: form.get('laplacian') as NonNullable<PrepareChoices['laplacian']> }),
   };
 }

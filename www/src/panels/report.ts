@@ -49,9 +49,9 @@ function scanPart({ scans }: AppState): Node[] {
     ['Faces', ({ info }) => count(info.faces)],
     ['Pieces', ({ info }) => count(info.pieces)],
     ['Points used', ({ info }) => count(info.pointsUsed)],
-    ['Unit', ({ info }) => info.unit],
-    ['Scaled by', ({ info }) => info.scale.toPrecision(3)],
-    ['Up', ({ info }) => info.upAxis],
+    ['Unit', ({ info }) => info.unit ?? 'not clear'],
+    ['√area', ({ info }) => info.scale.toPrecision(3)],
+    ['Up', ({ info }) => info.upAxis ?? 'not clear'],
     ['Laplacian', ({ info }) => info.laplacian],
     ['Eigenpairs', ({ info }) => count(info.eigenpairs)],
   ];

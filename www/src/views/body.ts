@@ -1,5 +1,5 @@
 import * as THREE from 'three';
-import type { PreparedShape } from 'geose-fmap';
+import type { Scan } from '../app-state';
 import { cloudMaterial } from './cloud-material';
 import { displayFrame, type DisplayFrame } from './display-frame';
 
@@ -13,13 +13,14 @@ export interface Body extends DisplayFrame {
   dispose(): void;
 }
 
-export function createBody(shape: PreparedShape): Body {
+/** Faces are drawn wherever the scan has some, unless they were to be ignored; a large mesh may have been matched as a cloud. */
+export function createBody({ shape, choices }: Scan): Body {
   const { positions, faces } = shape.geometry();
-  const frame = displayFrame(positions, shape.info.upAxis);
+  const frame = displayFrame(positions, shape.info);
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(frame.positions, 3));
   geometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(positions.length).fill(0.5), 3));
-  const isMesh = shape.info.kind === 'mesh' && faces !== null && faces.length > 0;
+  const isMesh = faces !== null && choices.faces !== 'ignore';
   const material = isMesh
     ? new THREE.MeshStandardMaterial({ vertexColors: true, roughness: 0.85, metalness: 0, side: THREE.DoubleSide })
     : cloudMaterial(frame.spacing);

@@ -1,6 +1,6 @@
 import * as THREE from 'three';
 
-/** Round points that are shaded like small balls, as wide as the gap between neighbours. */
+/** Round points that are shaded like small balls, so much wider than the gap between neighbours that the surface closes. */
 export function cloudMaterial(spacing: number): THREE.ShaderMaterial {
   return new THREE.ShaderMaterial({
     vertexColors: true,
@@ -12,7 +12,7 @@ export function cloudMaterial(spacing: number): THREE.ShaderMaterial {
       void main() {
         vColour = color;
         gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-        gl_PointSize = clamp(spacing * pixelScale / gl_Position.w, 2.0, 24.0);
+        gl_PointSize = clamp(1.45 * spacing * pixelScale / gl_Position.w, 2.0, 24.0);
       }`,
     fragmentShader: /* glsl */ `
       varying vec3 vColour;

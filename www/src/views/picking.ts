@@ -3,10 +3,10 @@ import { pixelsAt, project, projectAll } from './projection';
 import type { Viewport } from './viewport';
 
 /**
- * Points this much further away than the front one, in units of the body's root mean square radius, belong to what lies
- * behind it: a limb is thicker, and the roughness of a cloud smaller.
+ * Points this much further away than the front one, in units of √area, belong to what lies behind it: a limb is thicker, and
+ * the roughness of a cloud smaller.
  */
-const layer = 0.12;
+const layer = 0.045;
 
 /** The point of the body under a pixel of its view (x right, y down), or null. */
 export function pick(view: Viewport, x: number, y: number): number | null {

@@ -63,7 +63,7 @@ export class Stage {
   resetCameras(): void {
     this.#moved = false;
     const distances = { a: this.views.a.fittingDistance(), b: this.views.b.fittingDistance() };
-    const farther = Math.max(distances.a, distances.b) || 6;
+    const farther = Math.max(distances.a, distances.b) || 3;
     for (const side of sides) this.views[side].look(this.#linked ? farther : distances[side] || farther);
     this.invalidate();
   }

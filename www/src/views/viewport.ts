@@ -7,7 +7,7 @@ const fieldOfView = 28;
 
 /** One of the two views: an element that takes the pointer, a camera, a scene with light and at most one body. */
 export class Viewport {
-  readonly camera = new THREE.PerspectiveCamera(fieldOfView, 1, 0.05, 200);
+  readonly camera = new THREE.PerspectiveCamera(fieldOfView, 1, 0.02, 100);
   readonly controls: OrbitControls;
   readonly #scene = new THREE.Scene();
   #body: Body | null = null;
@@ -20,8 +20,8 @@ export class Viewport {
     this.#scene.add(this.camera, new THREE.HemisphereLight(0xffffff, 0xc8ccd4, 1.9));
     this.controls = new OrbitControls(this.camera, element);
     this.controls.rotateSpeed = 0.8;
-    this.controls.minDistance = 0.3;
-    this.controls.maxDistance = 60;
+    this.controls.minDistance = 0.1;
+    this.controls.maxDistance = 30;
   }
 
   get body(): Body | null {

@@ -38,7 +38,7 @@ export function createViews(store: AppStore, choose: (selection: Selection | nul
       element.setAttribute('aria-label', `View of scan ${letter(side)}: ${what}`);
       if (shown[side] === scan?.shape) return;
       shown[side] = scan?.shape;
-      stage.views[side].show(scan ? createBody(scan.shape) : null);
+      stage.views[side].show(scan ? createBody(scan) : null);
       stage.refit();
     });
   }
