@@ -183,6 +183,9 @@ fn labels_used(shape: &PreparedShape, scan: &str) -> Result<Vec<u32>, OptionErro
     Ok((0..shape.points_used()).map(|row| labels[shape.uploaded(row)]).collect())
 }
 
+/// Functions on A and on B, one column each per known pair.
+type Landmarks = (Array2<f64>, Array2<f64>);
+
 /// Known pairs as functions on both sides, from uploaded indices.
 fn landmarks(
     a: &PreparedShape,
@@ -190,7 +193,7 @@ fn landmarks(
     side_a: &Matchable,
     side_b: &Matchable,
     pairs: &[[u32; 2]],
-) -> Result<Option<(Array2<f64>, Array2<f64>)>, OptionError> {
+) -> Result<Option<Landmarks>, OptionError> {
     if pairs.is_empty() {
         return Ok(None);
     }

@@ -55,12 +55,9 @@ pub fn nearest_samples(points: &[[f64; 3]], samples: &[u32]) -> Vec<u32> {
     points
         .iter()
         .map(|point| {
-            tree.query(point)
-                .nearest_n::<SquaredEuclidean<f64>>(one)
-                .execute()
-                .iter()
-                .next()
-                .map_or(0, |item| item.item as u32)
+            let found = tree.query(point).nearest_n::<SquaredEuclidean<f64>>(one).execute();
+            #[allow(clippy::unnecessary_cast)] // Items are u32 on wasm32, but wider on other targets.
+            found.first().map_or(0, |item| item.item as u32)
         })
         .collect()
 }

@@ -115,7 +115,7 @@ impl<A: FnMut(MatMut<'_, f64>)> Lanczos<A> {
             let scale = column.norm_l2();
             // Only within the block and against what rounding left: the candidate was orthogonal to the rest before.
             let mut left = orthogonalise(column.rb_mut(), done);
-            while !(left > 1e-13 * scale) || left < 1e-280 {
+            while left.is_nan() || left <= 1e-13 * scale || left < 1e-280 {
                 column.rb_mut().iter_mut().for_each(|x| *x = self.random.next());
                 left = orthogonalise(column.rb_mut(), done);
                 if left > 1e-8 {

@@ -353,8 +353,8 @@ fn finish(
     let residuals: Vec<f64> =
         (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
     report.residual = residuals.iter().copied().fold(0.0, f64::max);
-    // Written so that NaN fails too. With all eigenvalues zero there is nothing to be relative to.
-    if !(report.residual <= RESIDUAL) && largest > f64::MIN_POSITIVE {
+    // Written so that NaN fails too, which the maximum passes over. With all eigenvalues zero there is nothing to be relative to.
+    if !residuals.iter().all(|&r| r <= RESIDUAL) && largest > f64::MIN_POSITIVE {
         let converged = residuals.iter().filter(|&&r| r <= RESIDUAL).count();
         return Err(SpectrumError::NotConverged { converged, wanted: values.len(), residual: report.residual });
     }
