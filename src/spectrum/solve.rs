@@ -400,8 +400,8 @@ fn finish(
     let residuals: Vec<f64> =
         (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
     report.residual = residuals.iter().copied().fold(0.0, f64::max);
-    // Written so that NaN fails too.
-    if !(report.residual <= RESIDUAL) {
+    // Not finite counts as not small.
+    if report.residual.is_nan() || report.residual > RESIDUAL {
         let converged = residuals.iter().filter(|&&r| r <= RESIDUAL).count();
         return Err(SpectrumError::NotConverged { converged, wanted: values.len(), residual: report.residual });
     }
