@@ -359,8 +359,8 @@ fn finish(
     let residuals: Vec<f64> =
         (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
     report.residual = residuals.iter().copied().fold(0.0, f64::max);
-    // Not finite counts as not small. A matrix of zeros has no residual at all.
-    if (report.residual.is_nan() || report.residual > RESIDUAL) && mean != 0.0 {
+    // Written so that NaN fails too, which the maximum passes over. A matrix of zeros has no residual at all.
+    if !residuals.iter().all(|&r| r <= RESIDUAL) && mean != 0.0 {
         let converged = residuals.iter().filter(|&&r| r <= RESIDUAL).count();
         return Err(SpectrumError::NotConverged { converged, wanted: values.len(), residual: report.residual });
     }
