@@ -115,7 +115,8 @@ impl OptionError {
     pub(crate) fn no_weights() -> Self {
         Self {
             code: "not-in-build",
-            message: "this build has no network weights, so parts cannot be predicted: use \"given\" or \"none\"".into(),
+            message: "this build has no network weights, so parts cannot be predicted: use \"given\" or \"none\""
+                .into(),
             details: json!({}),
         }
     }

@@ -41,7 +41,12 @@ pub struct Match {
 }
 
 /// Scan → graph → Laplacian → spectrum → features.
-pub fn prepare(shape: Shape, name: Option<String>, options: &PrepareOptions, progress: &mut Progress) -> Result<PreparedShape, Error> {
+pub fn prepare(
+    shape: Shape,
+    name: Option<String>,
+    options: &PrepareOptions,
+    progress: &mut Progress,
+) -> Result<PreparedShape, Error> {
     options.check()?;
     let as_read = shape;
     let mut repairs = as_read.repairs().to_vec();
@@ -62,7 +67,10 @@ pub fn prepare(shape: Shape, name: Option<String>, options: &PrepareOptions, pro
     // A mesh keeps its own operator; a cloud, or a mesh too large for that, gets the operator of its samples.
     let on_mesh = !used_shape.faces().is_empty() && (samples.is_none() || n <= MESH_LIMIT);
     if !used_shape.faces().is_empty() && !on_mesh {
-        let message = format!("the mesh has {n} vertices, more than {MESH_LIMIT}: it was matched as a cloud of {} samples", options.points);
+        let message = format!(
+            "the mesh has {n} vertices, more than {MESH_LIMIT}: it was matched as a cloud of {} samples",
+            options.points
+        );
         repairs.push(Repair::noted("mesh-taken-as-cloud", n, message));
     }
     let kind = options.laplacian.unwrap_or(if on_mesh { LaplacianKind::Cotangent } else { LaplacianKind::Geodesic });
@@ -79,7 +87,9 @@ pub fn prepare(shape: Shape, name: Option<String>, options: &PrepareOptions, pro
     let area = laplacian.area();
     let features = wave_kernel_signature(&at_unit_area(&basis, area)).values;
     let features = match &samples {
-        Some(samples) if on_all_points => Array2::from_shape_fn((samples.len(), features.ncols()), |(r, c)| features[(samples[r] as usize, c)]),
+        Some(samples) if on_all_points => {
+            Array2::from_shape_fn((samples.len(), features.ncols()), |(r, c)| features[(samples[r] as usize, c)])
+        }
         _ => features,
     };
     let rows: Vec<[f64; 3]> = match &samples {
@@ -130,7 +140,7 @@ pub async fn match_shapes<D: Device>(
 
     let parts = parts.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
     let (a_to_b, b_to_a, maps) =
-        refine(device, &side_a, &side_b, first, &rotation, parts, options.refine, progress).await?;
+        refine(device, (&side_a, &side_b), first, &rotation, parts, options.refine, progress).await?;
     let a_to_b = a_to_b.lift(a.nearest.as_deref(), b.samples.as_deref());
     let b_to_a = b_to_a.lift(b.nearest.as_deref(), a.samples.as_deref());
     progress.at(Stage::Correspondence, 1.0)?;
@@ -208,7 +218,8 @@ fn pieces(laplacian: &Laplacian) -> usize {
 /// Extents along the three axes.
 fn extents(points: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|c| {
-        let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[c]), high.max(p[c])));
+        let (low, high) =
+            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[c]), high.max(p[c])));
         high - low
     })
 }
@@ -225,9 +236,10 @@ fn unit(points: &[[f64; 3]]) -> Option<String> {
 /// The axis along which the scan is clearly (a fifth) longer than along the others.
 fn longest_axis(points: &[[f64; 3]]) -> Option<Axis> {
     let extents = extents(points);
-    [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate().find_map(|(c, axis)| {
-        (0..3).all(|other| other == c || extents[c] > 1.2 * extents[other]).then_some(axis)
-    })
+    [Axis::X, Axis::Y, Axis::Z]
+        .into_iter()
+        .enumerate()
+        .find_map(|(c, axis)| (0..3).all(|other| other == c || extents[c] > 1.2 * extents[other]).then_some(axis))
 }
 
 fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
@@ -235,11 +247,15 @@ fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
         vec!["matched without a trained network: symmetric parts may be exchanged when the poses differ".to_owned()];
     for (scan, shape) in [("a", a), ("b", b)] {
         if shape.info.pieces > 1 {
-            warnings.push(format!("scan {scan} is in {} pieces, which have no geodesic between them", shape.info.pieces));
+            warnings
+                .push(format!("scan {scan} is in {} pieces, which have no geodesic between them", shape.info.pieces));
         }
     }
     if a.info.eigenpairs != b.info.eigenpairs {
-        warnings.push(format!("the scans have {} and {} eigenpairs; the smaller number is used", a.info.eigenpairs, b.info.eigenpairs));
+        warnings.push(format!(
+            "the scans have {} and {} eigenpairs; the smaller number is used",
+            a.info.eigenpairs, b.info.eigenpairs
+        ));
     }
     warnings
 }

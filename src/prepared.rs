@@ -128,7 +128,11 @@ impl PreparedShape {
         let centroid = mass.dot(&points);
         points -= &centroid;
         points /= area.sqrt();
-        let basis = SpectralBasis { eigenvalues: &self.basis.eigenvalues * area, eigenvectors: eigenvectors * area.sqrt(), mass };
+        let basis = SpectralBasis {
+            eigenvalues: &self.basis.eigenvalues * area,
+            eigenvectors: eigenvectors * area.sqrt(),
+            mass,
+        };
         Matchable { basis, points, features: self.features.clone(), coarse: self.coarse.clone() }
     }
 
@@ -153,8 +157,16 @@ impl PreparedShape {
             ("coarse", Tensor::of(Dtype::U32, &self.coarse, &[self.coarse.len()])),
             ("features", Tensor::of(Dtype::F32, contiguous(features.as_slice())?, features.shape())),
         ];
-        let optional = [("labels", self.shape.labels()), ("samples", self.samples.as_deref()), ("nearest", self.nearest.as_deref())];
-        tensors.extend(optional.into_iter().filter_map(|(name, values)| Some((name, Tensor::of(Dtype::U32, values?, &[values?.len()])))));
+        let optional = [
+            ("labels", self.shape.labels()),
+            ("samples", self.samples.as_deref()),
+            ("nearest", self.nearest.as_deref()),
+        ];
+        tensors.extend(
+            optional
+                .into_iter()
+                .filter_map(|(name, values)| Some((name, Tensor::of(Dtype::U32, values?, &[values?.len()])))),
+        );
         let json = |value: Result<String, serde_json::Error>| value.map_err(|e| BlockError(e.to_string()));
         let metadata = HashMap::from([
             ("format".to_owned(), FORMAT.to_owned()),

@@ -17,7 +17,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let prepared = prepare_scan(&arguments.a, &arguments.preparing)?;
     let info = serde_json::to_value(&prepared.info)?;
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&serde_json::json!({ "info": info, "repairs": prepared.repairs }))?);
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&serde_json::json!({ "info": info, "repairs": prepared.repairs }))?
+        );
         return Ok(());
     }
     for (name, value) in info.as_object().into_iter().flatten() {

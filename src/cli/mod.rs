@@ -45,7 +45,12 @@ struct Preparing {
 
 impl Preparing {
     fn options(&self) -> PrepareOptions {
-        PrepareOptions { points: self.points, eigenpairs: self.eigenpairs, laplacian: self.laplacian, ..Default::default() }
+        PrepareOptions {
+            points: self.points,
+            eigenpairs: self.eigenpairs,
+            laplacian: self.laplacian,
+            ..Default::default()
+        }
     }
 }
 

@@ -19,8 +19,6 @@ pub trait Device {
 
     /// Copies a matrix to the device.
     fn upload(&self, matrix: ArrayView2<f32>) -> Self::Tensor;
-    /// Copies row indices to the device.
-    fn upload_indices(&self, indices: &[u32]) -> Self::Indices;
     /// Copies a matrix back.
     async fn download(&self, tensor: &Self::Tensor) -> Array2<f32>;
     /// Copies row indices back.
@@ -30,12 +28,12 @@ pub trait Device {
     fn matmul(&self, a: &Self::Tensor, b: &Self::Tensor) -> Self::Tensor;
     /// aᵀ b: (n, k)ᵀ × (n, m) → (k, m). The product of projections.
     fn matmul_tn(&self, a: &Self::Tensor, b: &Self::Tensor) -> Self::Tensor;
-    /// a bᵀ: (n, k) × (m, k)ᵀ → (n, m).
-    fn matmul_nt(&self, a: &Self::Tensor, b: &Self::Tensor) -> Self::Tensor;
     /// The first `count` columns: (n, k) → (n, count).
     fn leading_columns(&self, a: &Self::Tensor, count: usize) -> Self::Tensor;
     /// Matrices of equal row count side by side, each times its weight.
     fn concat(&self, parts: &[(&Self::Tensor, f32)]) -> Self::Tensor;
+    /// a + weight·b, of equal shape.
+    fn add(&self, a: &Self::Tensor, b: &Self::Tensor, weight: f32) -> Self::Tensor;
     /// Rows of `a` in the order of `rows`: (n, k) → (rows, k).
     fn gather(&self, a: &Self::Tensor, rows: &Self::Indices) -> Self::Tensor;
     /// For each row of `x` (n, d) the nearest row of `y` (m, d), and for each row of `y` the nearest of `x`; Euclidean, ties to the lower

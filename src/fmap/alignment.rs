@@ -46,7 +46,9 @@ pub(super) fn axis_rotations() -> Vec<Rotation> {
 /// distance that is left (Kabsch 1976).
 pub(super) fn best_rotation(from: ArrayView2<f32>, to: ArrayView2<f32>) -> (Rotation, f64) {
     let n = from.nrows().max(1) as f64;
-    let mean = |x: ArrayView2<f32>| -> [f64; 3] { std::array::from_fn(|c| x.column(c).iter().map(|&v| f64::from(v)).sum::<f64>() / n) };
+    let mean = |x: ArrayView2<f32>| -> [f64; 3] {
+        std::array::from_fn(|c| x.column(c).iter().map(|&v| f64::from(v)).sum::<f64>() / n)
+    };
     let (mean_from, mean_to) = (mean(from), mean(to));
     let mut correlation = Mat::<f64>::zeros(3, 3);
     let mut total = 0.0;
@@ -66,8 +68,9 @@ pub(super) fn best_rotation(from: ArrayView2<f32>, to: ArrayView2<f32>) -> (Rota
     let (u, v) = (svd.U(), svd.V());
     // With a reflection as the best orthogonal matrix, the least important axis turns round.
     let handedness = (determinant(u) * determinant(v)).signum();
-    let rotation: Rotation =
-        std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|c| u[(i, c)] * v[(j, c)] * if c == 2 { handedness } else { 1.0 }).sum()));
+    let rotation: Rotation = std::array::from_fn(|i| {
+        std::array::from_fn(|j| (0..3).map(|c| u[(i, c)] * v[(j, c)] * if c == 2 { handedness } else { 1.0 }).sum())
+    });
     let aligned = svd.S()[0] + svd.S()[1] + handedness * svd.S()[2];
     (rotation, ((total - 2.0 * aligned).max(0.0) / n).sqrt())
 }

@@ -38,7 +38,10 @@ impl Correspondence {
     pub fn lift(&self, nearest: Option<&[u32]>, samples: Option<&[u32]>) -> Self {
         let uploaded = |row: u32| samples.map_or(row, |samples| samples[row as usize]);
         match nearest {
-            None => Self { target: self.target.iter().map(|&row| uploaded(row)).collect(), confidence: self.confidence.clone() },
+            None => Self {
+                target: self.target.iter().map(|&row| uploaded(row)).collect(),
+                confidence: self.confidence.clone(),
+            },
             Some(nearest) => Self {
                 target: nearest.iter().map(|&row| uploaded(self.target[row as usize])).collect(),
                 confidence: nearest.iter().map(|&row| self.confidence[row as usize]).collect(),

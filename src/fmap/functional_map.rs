@@ -59,7 +59,8 @@ fn resolvent_mask(lambda_a: ArrayView1<f64>, lambda_b: ArrayView1<f64>) -> Array
         [x.sqrt() / (1.0 + x), 1.0 / (1.0 + x)]
     };
     let (a, b): (Vec<_>, Vec<_>) = (lambda_a.iter().map(resolvent).collect(), lambda_b.iter().map(resolvent).collect());
-    let mask = Array2::from_shape_fn((b.len(), a.len()), |(i, j)| (b[i][0] - a[j][0]).powi(2) + (b[i][1] - a[j][1]).powi(2));
+    let mask =
+        Array2::from_shape_fn((b.len(), a.len()), |(i, j)| (b[i][0] - a[j][0]).powi(2) + (b[i][1] - a[j][1]).powi(2));
     let norm = mask.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     mask / norm
 }

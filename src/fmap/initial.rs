@@ -10,7 +10,7 @@ use crate::device::Device;
 /// Basis size of the trial maps and points that judge them: enough to tell one limb from another.
 const TRIAL: (usize, usize) = (30, 600);
 /// Basis size of the first maps. Refinement must not start below (an exact map at k = 30 ends worse than a fair one at 50).
-pub(super) const FIRST: usize = 50;
+const FIRST: usize = 50;
 /// Wavelengths of the position encoding, in √area: from longer than a body to a limb's length.
 const WAVELENGTHS: [f64; 3] = [4.0, 2.0, 1.0];
 /// Weight of all position channels together against all invariant ones together.
@@ -57,7 +57,7 @@ pub async fn initial_maps<D: Device>(
     for turn in axis_rotations() {
         let rotation = compose(&inverse(&axes_a), &compose(&turn, &axes_b));
         let maps = solve(k, &rotation);
-        let (to_b, to_a) = joint_nearest(device, &maps, &phi_a, &phi_b, &[], &[]);
+        let (to_b, to_a) = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]]);
         let (to_b, to_a) = (device.download_indices(&to_b).await, device.download_indices(&to_a).await);
         let from = concatenate(Axis(0), &[points_b.select(Axis(0), &wide(&to_b)).view(), points_b.view()]);
         let to = concatenate(Axis(0), &[points_a.view(), points_a.select(Axis(0), &wide(&to_a)).view()]);

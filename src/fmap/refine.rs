@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use super::alignment::{Rotation, rotate};
 use super::functional_map::least_squares;
-use super::initial::FIRST;
 use super::{Correspondence, Matchable};
 use crate::device::Device;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -41,125 +40,148 @@ const COARSE: usize = 2000;
 /// Growth of the basis per ZoomOut iteration.
 const STEP: usize = 10;
 /// Rounds with coordinates.
-const ROUNDS: usize = 3;
-/// Weight of coordinates (in √area) against the spectral embedding, whose columns are divided by √k.
-const COORDINATE_WEIGHT: f32 = 8.0;
+const ROUNDS: usize = 10;
+/// Weight of coordinates (in √area) and of part labels against the spectral embedding, whose columns are divided by √k.
+const BESIDE_WEIGHT: f32 = 16.0;
+
+/// What refinement compares of one body, at some of its points.
+struct Side<T> {
+    /// Φ (rows, k).
+    phi: T,
+    /// Positions (rows, 3), both bodies in the frame of A.
+    x: T,
+    /// One-hot part labels (rows, labels), when parts keep points apart.
+    parts: Option<T>,
+}
 
 /// Refines `first` and matches every point both ways. `rotation` brings B to A. `parts` are one-hot part labels (n, labels) of A and B: then
 /// no point is matched to another part (paper Sec. 3.3, at the level of the map). Returns the correspondences A → B and B → A, and the maps
 /// they came from.
 pub async fn refine<D: Device>(
     device: &D,
-    a: &Matchable,
-    b: &Matchable,
+    (a, b): (&Matchable, &Matchable),
     first: MapPair,
     rotation: &Rotation,
     parts: Option<(ArrayView2<'_, f32>, ArrayView2<'_, f32>)>,
     refinement: Refinement,
     progress: &mut Progress<'_>,
 ) -> Result<(Correspondence, Correspondence, MapPair), Cancelled> {
-    let rows = |m: &Matchable| m.coarse[..COARSE.min(m.coarse.len())].to_vec();
-    let (rows_a, rows_b) = (rows(a), rows(b));
-    let last = a.basis.k().min(b.basis.k());
-    let upload = |m: &Matchable, rows: &[u32]| device.upload(m.phi_at(rows, last).view());
-    let (phi_a, phi_b) = (upload(a, &rows_a), upload(b, &rows_b));
-    let at_rows = |table: ArrayView2<f32>, rows: &[u32]| {
-        let rows: Vec<usize> = rows.iter().map(|&i| i as usize).collect();
-        device.upload(table.select(Axis(0), &rows).view())
-    };
-    let (parts_a, parts_b) = match parts {
-        Some((parts_a, parts_b)) => (vec![at_rows(parts_a, &rows_a)], vec![at_rows(parts_b, &rows_b)]),
-        None => (Vec::new(), Vec::new()),
-    };
-    let mut maps = first;
+    let smallest = first.c_ab.nrows();
+    let largest = if refinement == Refinement::None { smallest } else { a.basis.k().min(b.basis.k()) };
+    let (x_a, x_b) = (a.points.view(), rotate(b.points.view(), rotation));
+    let (parts_a, parts_b) = parts.unzip();
+    let coarse_a = Side::at(device, a, x_a, parts_a, &a.coarse[..COARSE.min(a.coarse.len())], largest);
+    let coarse_b = Side::at(device, b, x_b.view(), parts_b, &b.coarse[..COARSE.min(b.coarse.len())], largest);
 
-    if refinement != Refinement::None {
-        let mut k = FIRST.min(last);
-        while k < last {
-            progress.at(Stage::Refine, (k - FIRST.min(last)) as f64 / (last - FIRST.min(last)) as f64 * 0.7)?;
-            let next = (k + STEP).min(last);
-            let (leading_a, leading_b) = (device.leading_columns(&phi_a, k), device.leading_columns(&phi_b, k));
-            let (to_b, to_a) = joint_nearest(device, &maps, &leading_a, &leading_b, &parts_a, &parts_b);
-            let (wider_a, wider_b) = (device.leading_columns(&phi_a, next), device.leading_columns(&phi_b, next));
-            maps = maps_of_match(device, &wider_a, &wider_b, &to_b, &to_a).await;
-            k = next;
-        }
+    let mut maps = first;
+    let mut k = smallest;
+    while k < largest {
+        progress.at(Stage::Refine, 0.7 * (k - smallest) as f64 / (largest - smallest) as f64)?;
+        let narrow = [device.leading_columns(&coarse_a.phi, k), device.leading_columns(&coarse_b.phi, k)];
+        let there_and_back =
+            joint_nearest(device, &maps, [&narrow[0], &narrow[1]], [coarse_a.beside(), coarse_b.beside()]);
+        k = (k + STEP).min(largest);
+        let wide = [device.leading_columns(&coarse_a.phi, k), device.leading_columns(&coarse_b.phi, k)];
+        maps = maps_of_match(device, [&wide[0], &wide[1]], &there_and_back).await;
     }
 
-    let (every_a, every_b): (Vec<u32>, Vec<u32>) = ((0..a.len() as u32).collect(), (0..b.len() as u32).collect());
-    let k = maps.c_ab.nrows();
-    let (mut extra_a, mut extra_b) = (Vec::new(), Vec::new());
+    let mut shifts = None;
     if refinement == Refinement::Best {
-        let in_frame_of_a = rotate(b.points.view(), rotation).mapv(|v| v as f32);
-        let (x_a, x_b) = (device.upload(a.points_at(&rows_a).view()), at_rows(in_frame_of_a.view(), &rows_b));
-        let (mut to_b, mut to_a) = joint_nearest(device, &maps, &phi_a, &phi_b, &parts_a, &parts_b);
+        let phi = [&coarse_a.phi, &coarse_b.phi];
+        let mut there_and_back = joint_nearest(device, &maps, phi, [coarse_a.beside(), coarse_b.beside()]);
         for round in 0..ROUNDS {
             progress.at(Stage::Refine, 0.7 + 0.3 * round as f64 / ROUNDS as f64)?;
-            maps = maps_of_match(device, &phi_a, &phi_b, &to_b, &to_a).await;
-            // Where A goes when laid onto B and where B is, both as seen through their own first k eigenfunctions; and the other way round.
-            let laid_a = smooth(device, &phi_a, &device.gather(&x_b, &to_b)).await;
-            let own_b = smooth(device, &phi_b, &x_b).await;
-            let laid_b = smooth(device, &phi_b, &device.gather(&x_a, &to_a)).await;
-            let own_a = smooth(device, &phi_a, &x_a).await;
-            let beside = |phi: &D::Tensor, first: &D::Tensor, second: &D::Tensor, parts: &[D::Tensor]| {
-                let coordinates = [(&device.matmul(phi, first), 1.0), (&device.matmul(phi, second), 1.0)];
-                device.concat(&coordinates.into_iter().chain(parts.iter().map(|p| (p, 1.0))).collect::<Vec<_>>())
-            };
-            let beside_a = beside(&phi_a, &laid_a, &own_a, &parts_a);
-            let beside_b = beside(&phi_b, &own_b, &laid_b, &parts_b);
-            (to_b, to_a) = joint_nearest(device, &maps, &phi_a, &phi_b, &[beside_a], &[beside_b]);
-            if round + 1 == ROUNDS {
-                (extra_a, extra_b) = (vec![laid_a, own_a], vec![own_b, laid_b]);
-                maps = maps_of_match(device, &phi_a, &phi_b, &to_b, &to_a).await;
-            }
+            maps = maps_of_match(device, phi, &there_and_back).await;
+            let shift_a = coarse_a.shift_onto(device, &coarse_b, &there_and_back.0).await;
+            let shift_b = coarse_b.shift_onto(device, &coarse_a, &there_and_back.1).await;
+            let laid = [coarse_a.laid(device, &shift_a), coarse_b.laid(device, &shift_b)];
+            there_and_back = joint_nearest(device, &maps, phi, coordinates(&coarse_a, &coarse_b, &laid));
+            shifts = Some([shift_a, shift_b]);
         }
+        maps = maps_of_match(device, phi, &there_and_back).await;
     }
 
     progress.at(Stage::Correspondence, 0.0)?;
-    let (phi_a, phi_b) = (device.upload(a.phi_at(&every_a, k).view()), device.upload(b.phi_at(&every_b, k).view()));
-    let spread = |phi: &D::Tensor, coefficients: &[D::Tensor]| -> Vec<D::Tensor> {
-        coefficients.iter().map(|c| device.matmul(phi, c)).collect()
+    let every = |m: &Matchable| (0..m.len() as u32).collect::<Vec<u32>>();
+    let full_a = Side::at(device, a, x_a, parts_a, &every(a), largest);
+    let full_b = Side::at(device, b, x_b.view(), parts_b, &every(b), largest);
+    let laid = shifts.map(|[shift_a, shift_b]| [full_a.laid(device, &shift_a), full_b.laid(device, &shift_b)]);
+    let beside = match &laid {
+        Some(laid) => coordinates(&full_a, &full_b, laid),
+        None => [full_a.beside(), full_b.beside()],
     };
-    let (mut extra_a, mut extra_b) = (spread(&phi_a, &extra_a), spread(&phi_b, &extra_b));
-    if let Some((parts_a, parts_b)) = parts {
-        extra_a.push(device.upload(parts_a));
-        extra_b.push(device.upload(parts_b));
-    }
-    let (to_b, to_a) = joint_nearest(device, &maps, &phi_a, &phi_b, &extra_a, &extra_b);
+    let (to_b, to_a) = joint_nearest(device, &maps, [&full_a.phi, &full_b.phi], beside);
     let (to_b, to_a) = (device.download_indices(&to_b).await, device.download_indices(&to_a).await);
     progress.at(Stage::Correspondence, 0.8)?;
     Ok((Correspondence::between(a, &to_b, &to_a), Correspondence::between(b, &to_a, &to_b), maps))
 }
 
-/// The match both ways in the joint embedding [Φ_A C_ba, Φ_A] against [Φ_B, Φ_B C_ab], each divided by √k, with extra columns
-/// (coordinates) beside them. First the rows of B for A's, then the rows of A for B's.
+impl<T> Side<T> {
+    /// The rows of a shape whose positions `x` (n, 3) are in the frame of A.
+    fn at<D: Device<Tensor = T>>(
+        device: &D,
+        shape: &Matchable,
+        x: ArrayView2<f64>,
+        parts: Option<ArrayView2<f32>>,
+        rows: &[u32],
+        k: usize,
+    ) -> Self {
+        let wide: Vec<usize> = rows.iter().map(|&i| i as usize).collect();
+        Self {
+            phi: device.upload(shape.phi_at(rows, k).view()),
+            x: device.upload(x.select(Axis(0), &wide).mapv(|v| v as f32).view()),
+            parts: parts.map(|parts| device.upload(parts.select(Axis(0), &wide).view())),
+        }
+    }
+
+    /// What stands beside the spectral columns before any coordinates do.
+    fn beside(&self) -> Vec<&T> {
+        self.parts.iter().collect()
+    }
+
+    /// The displacement that lays this body onto `other` by the match `there`, as coefficients (k, 3) of the eigenfunctions. Smoothing the displacement
+    /// and not the position keeps what is finer than the basis: fingers, feet, faces.
+    async fn shift_onto<D: Device<Tensor = T>>(&self, device: &D, other: &Self, there: &D::Indices) -> T {
+        let displacement = device.add(&device.gather(&other.x, there), &self.x, -1.0);
+        let coefficients = fit(device, &self.phi, &displacement).await;
+        device.upload(coefficients.mapv(|v| v as f32).view())
+    }
+
+    /// Positions (rows, 3) after the displacement.
+    fn laid<D: Device<Tensor = T>>(&self, device: &D, shift: &T) -> T {
+        device.add(&self.x, &device.matmul(&self.phi, shift), 1.0)
+    }
+}
+
+/// Columns that compare A laid onto B with B, and A with B laid onto A.
+fn coordinates<'t, T>(a: &'t Side<T>, b: &'t Side<T>, [laid_a, laid_b]: &'t [T; 2]) -> [Vec<&'t T>; 2] {
+    let join = |coordinates: [&'t T; 2], side: &'t Side<T>| coordinates.into_iter().chain(&side.parts).collect();
+    [join([laid_a, &a.x], a), join([&b.x, laid_b], b)]
+}
+
+/// The match both ways in the joint embedding [Φ_A C_ba, Φ_A] against [Φ_B, Φ_B C_ab], each divided by √k, with further columns beside
+/// them. First the rows of B for A's, then the rows of A for B's.
 pub(super) fn joint_nearest<D: Device>(
     device: &D,
     maps: &MapPair,
-    phi_a: &D::Tensor,
-    phi_b: &D::Tensor,
-    extra_a: &[D::Tensor],
-    extra_b: &[D::Tensor],
+    [phi_a, phi_b]: [&D::Tensor; 2],
+    [beside_a, beside_b]: [Vec<&D::Tensor>; 2],
 ) -> (D::Indices, D::Indices) {
     let single = |c: &Array2<f64>| device.upload(c.mapv(|v| v as f32).view());
     let weight = 1.0 / (maps.c_ab.nrows() as f32).sqrt();
-    let in_b = device.matmul(phi_a, &single(&maps.c_ba));
-    let in_a = device.matmul(phi_b, &single(&maps.c_ab));
-    let embed = |spectral: [&D::Tensor; 2], extra: &[D::Tensor]| {
+    let embed = |spectral: [&D::Tensor; 2], beside: Vec<&D::Tensor>| {
         let spectral = spectral.into_iter().map(|part| (part, weight));
-        let parts: Vec<_> = spectral.chain(extra.iter().map(|part| (part, COORDINATE_WEIGHT))).collect();
-        device.concat(&parts)
+        device.concat(&spectral.chain(beside.into_iter().map(|part| (part, BESIDE_WEIGHT))).collect::<Vec<_>>())
     };
-    device.nearest_rows(&embed([&in_b, phi_a], extra_a), &embed([phi_b, &in_a], extra_b))
+    let (a_in_b, b_in_a) = (device.matmul(phi_a, &single(&maps.c_ba)), device.matmul(phi_b, &single(&maps.c_ab)));
+    device.nearest_rows(&embed([&a_in_b, phi_a], beside_a), &embed([phi_b, &b_in_a], beside_b))
 }
 
 /// The functional maps of a match both ways, by least squares over the rows at hand: C_ba = Φ_A⁺ Φ_B[to_b], C_ab = Φ_B⁺ Φ_A[to_a].
 async fn maps_of_match<D: Device>(
     device: &D,
-    phi_a: &D::Tensor,
-    phi_b: &D::Tensor,
-    to_b: &D::Indices,
-    to_a: &D::Indices,
+    [phi_a, phi_b]: [&D::Tensor; 2],
+    (to_b, to_a): &(D::Indices, D::Indices),
 ) -> MapPair {
     MapPair {
         c_ba: fit(device, phi_a, &device.gather(phi_b, to_b)).await,
@@ -167,15 +189,9 @@ async fn maps_of_match<D: Device>(
     }
 }
 
-/// Coefficients, on the device, of functions given at the rows of Φ.
-async fn smooth<D: Device>(device: &D, phi: &D::Tensor, functions: &D::Tensor) -> D::Tensor {
-    let coefficients = fit(device, phi, functions).await;
-    device.upload(coefficients.mapv(|v| v as f32).view())
-}
-
+/// Coefficients (k, m) of functions (rows, m) given at the rows of Φ (rows, k).
 async fn fit<D: Device>(device: &D, phi: &D::Tensor, functions: &D::Tensor) -> Array2<f64> {
     let gram = device.download(&device.matmul_tn(phi, phi)).await;
     let right = device.download(&device.matmul_tn(phi, functions)).await;
-    let (gram, right): (ArrayView2<f32>, ArrayView2<f32>) = (gram.view(), right.view());
-    least_squares(gram, right)
+    least_squares(gram.view(), right.view())
 }

@@ -38,6 +38,11 @@ impl Neighbours {
         &self.distances[i * self.k..(i + 1) * self.k]
     }
 
+    /// Mean distance from point `i` to its neighbours.
+    pub fn mean_distance_from(&self, i: usize) -> f64 {
+        self.distances(i).iter().sum::<f64>() / self.k.max(1) as f64
+    }
+
     /// Mean distance over all points and all their neighbours: the paper's scale σ (Sec. 3.2).
     pub fn mean_distance(&self) -> f64 {
         self.distances.iter().sum::<f64>() / self.distances.len().max(1) as f64

@@ -98,9 +98,8 @@ impl TuftedCover {
 
     /// Flips edges until all weights are non-negative. Returns the number of flips.
     pub(super) fn flip_to_delaunay(&mut self) -> usize {
-        let mut queue: std::collections::VecDeque<Side> = (0..self.vertices.len() as u32)
-            .flat_map(|face| (0..3).map(move |side| Side { face, side }))
-            .collect();
+        let mut queue: std::collections::VecDeque<Side> =
+            (0..self.vertices.len() as u32).flat_map(|face| (0..3).map(move |side| Side { face, side })).collect();
         // Every flip shortens the harmonic index, so the loop ends by itself; the bound guards against rounding.
         let bound = 200 * queue.len();
         let mut flips = 0;

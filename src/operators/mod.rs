@@ -10,8 +10,8 @@ use crate::graph::{RefineParams, nearest_neighbours, refine};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::Shape;
 
-pub use geodesic::{GaussianParams, gaussian_laplacian, literal_laplacian};
 pub use cotangent::cotangent_laplacian;
+pub use geodesic::{GaussianParams, gaussian_laplacian, literal_laplacian};
 pub use laplacian::{Laplacian, LaplacianKind};
 pub use mass::cloud_mass;
 

@@ -12,7 +12,7 @@ mod ply;
 mod polygons;
 mod text;
 
-pub use error::{Place, ReadError};
+pub use error::ReadError;
 pub use format::Format;
 
 use crate::error::Error;

@@ -54,7 +54,14 @@ pub fn nearest_samples(points: &[[f64; 3]], samples: &[u32]) -> Vec<u32> {
     let one = NonZero::<usize>::MIN;
     points
         .iter()
-        .map(|point| tree.query(point).nearest_n::<SquaredEuclidean<f64>>(one).execute().iter().next().map_or(0, |item| item.item as u32))
+        .map(|point| {
+            tree.query(point)
+                .nearest_n::<SquaredEuclidean<f64>>(one)
+                .execute()
+                .iter()
+                .next()
+                .map_or(0, |item| item.item as u32)
+        })
         .collect()
 }
 

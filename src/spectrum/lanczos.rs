@@ -158,7 +158,11 @@ impl<A: FnMut(MatMut<'_, f64>)> Lanczos<A> {
             self.projected[(j, j)] = ritz.values[j];
         }
         self.filled = count;
-        self.push_block(|column, j| if !afresh { column.copy_from(waiting.col(j)) });
+        self.push_block(|column, j| {
+            if !afresh {
+                column.copy_from(waiting.col(j))
+            }
+        });
     }
 }
 

@@ -119,7 +119,9 @@ impl SpectrumError {
             SpectrumError::NotConverged { converged, wanted, residual } => {
                 json!({ "converged": converged, "wanted": wanted, "residual": residual })
             }
-            SpectrumError::InvalidMatrix { .. } | SpectrumError::NotFactorised | SpectrumError::Cancelled(_) => json!({}),
+            SpectrumError::InvalidMatrix { .. } | SpectrumError::NotFactorised | SpectrumError::Cancelled(_) => {
+                json!({})
+            }
         }
     }
 }
@@ -184,7 +186,8 @@ fn restrict(matrix: &CsMat<f64>, mass: &[f64], active: &[usize]) -> (CsMat<f64>,
     for (row, &i) in active.iter().enumerate() {
         row_of[i] = row;
     }
-    let (mut indptr, mut indices, mut data) = (vec![0], Vec::with_capacity(matrix.nnz()), Vec::with_capacity(matrix.nnz()));
+    let (mut indptr, mut indices, mut data) =
+        (vec![0], Vec::with_capacity(matrix.nnz()), Vec::with_capacity(matrix.nnz()));
     for (row, &i) in active.iter().enumerate() {
         let mut diagonal = false;
         if let Some(entries) = matrix.outer_view(i) {
@@ -347,7 +350,8 @@ fn finish(
     }
     make_canonical(vectors.as_mut(), mass);
     let largest = values.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
-    let residuals: Vec<f64> = (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
+    let residuals: Vec<f64> =
+        (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
     report.residual = residuals.iter().copied().fold(0.0, f64::max);
     // Written so that NaN fails too. With all eigenvalues zero there is nothing to be relative to.
     if !(report.residual <= RESIDUAL) && largest > f64::MIN_POSITIVE {

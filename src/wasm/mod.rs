@@ -15,7 +15,9 @@ use crate::progress::Progress;
 use crate::read::Format;
 use crate::shape::Shape;
 use crate::{Cpu, operators, pipeline, spectrum as spectra};
-use convert::{LaplacianOptions, SpectrumOptions, laplacian_to_js, match_to_js, matrix_from_csr, options, spectrum_to_js, throw};
+use convert::{
+    LaplacianOptions, SpectrumOptions, laplacian_to_js, match_to_js, matrix_from_csr, options, spectrum_to_js, throw,
+};
 
 #[wasm_bindgen(start)]
 fn start() {
@@ -133,7 +135,6 @@ fn progress(listener: &Function) -> Progress<'_> {
         true
     })
 }
-
 
 /// Options that are not what they should be, in a sentence.
 fn invalid(reason: impl ToString) -> JsValue {

@@ -22,5 +22,4 @@ export function reversed(match: Match): Match {
 }
 
 /** How many points of A found a partner. */
-export const matchedCount = (match: Match): number =>
-  match.targetOf.reduce((count, target) => count + (target === UNMATCHED ? 0 : 1), 0);
+export const matchedCount = (match: Match): number => match.targetOf.reduce((count, target) => count + (target === UNMATCHED ? 0 : 1), 0);

@@ -21,8 +21,7 @@ export function sentence(error: unknown): string {
 }
 
 /** The package's messages are clauses; on the page they begin and end like sentences. */
-export const asSentence = (text: string): string =>
-  text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?…]$/.test(text) ? '' : '.');
+export const asSentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?…]$/.test(text) ? '' : '.');
 
 const whole = new Intl.NumberFormat('en');
 

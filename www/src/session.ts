@@ -43,9 +43,7 @@ export class Session {
       return scan !== null && !this.#tasks.has(side) && JSON.stringify(scan.choices) !== wanted;
     });
     this.#matchIsDue = true;
-    const prepared = await Promise.all(
-      outdated.map((side) => this.#prepare(side, (this.#store.get().scans[side] as Scan).source)),
-    );
+    const prepared = await Promise.all(outdated.map((side) => this.#prepare(side, (this.#store.get().scans[side] as Scan).source)));
     if (prepared.includes(false)) this.#matchIsDue = false;
     await this.#matchIfDue();
   }

@@ -79,10 +79,7 @@ test('pointing at a body shows the line to its match and says which point it is'
   await page.locator('#line line.tie.shown').waitFor();
   const [i, j] = await Promise.all([page.inputValue('#point-a'), page.inputValue('#point-b')]);
   assert.equal(await page.evaluate((index) => window.geose.match.targetOf[index], Number(i)), Number(j));
-  assert.match(
-    await page.locator('#readout').textContent(),
-    new RegExp(`Point ${i} of A is point ${j} of B; confidence [01]\\.\\d\\d`),
-  );
+  assert.match(await page.locator('#readout').textContent(), new RegExp(`Point ${i} of A is point ${j} of B; confidence [01]\\.\\d\\d`));
   await page.mouse.move(2, 2);
   await page.locator('#line line.tie.shown').waitFor({ state: 'hidden' });
 });

@@ -19,10 +19,6 @@ impl Device for Cpu {
         matrix.as_standard_layout().into_owned()
     }
 
-    fn upload_indices(&self, indices: &[u32]) -> Vec<u32> {
-        indices.to_vec()
-    }
-
     async fn download(&self, tensor: &Array2<f32>) -> Array2<f32> {
         tensor.clone()
     }
@@ -39,10 +35,6 @@ impl Device for Cpu {
         matmul::matmul(a.t(), b.view())
     }
 
-    fn matmul_nt(&self, a: &Array2<f32>, b: &Array2<f32>) -> Array2<f32> {
-        matmul::matmul(a.view(), b.t())
-    }
-
     fn leading_columns(&self, a: &Array2<f32>, count: usize) -> Array2<f32> {
         a.slice(s![.., ..count]).as_standard_layout().into_owned()
     }
@@ -51,6 +43,12 @@ impl Device for Cpu {
         let scaled: Vec<Array2<f32>> = parts.iter().map(|&(part, weight)| part * weight).collect();
         let views: Vec<ArrayView2<f32>> = scaled.iter().map(|part| part.view()).collect();
         concatenate(Axis(1), &views).expect("parts have one row count")
+    }
+
+    fn add(&self, a: &Array2<f32>, b: &Array2<f32>, weight: f32) -> Array2<f32> {
+        let mut sum = a.clone();
+        sum.scaled_add(weight, b);
+        sum
     }
 
     fn gather(&self, a: &Array2<f32>, rows: &Vec<u32>) -> Array2<f32> {

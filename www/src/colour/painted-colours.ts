@@ -37,9 +37,7 @@ function correspondence({ scans, result }: AppState): PaintedColours {
       const j = match.targetOf[i];
       return j === UNMATCHED ? unknownColour : places.subarray(3 * j, 3 * j + 3);
     }),
-    b: perPoint(scans.b.shape.info.points, (j) =>
-      unmatchedOfB[j] === UNMATCHED ? unknownColour : places.subarray(3 * j, 3 * j + 3),
-    ),
+    b: perPoint(scans.b.shape.info.points, (j) => (unmatchedOfB[j] === UNMATCHED ? unknownColour : places.subarray(3 * j, 3 * j + 3))),
   };
 }
 

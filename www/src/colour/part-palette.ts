@@ -6,19 +6,21 @@ const unsided = ['#8c8c8c', '#c9c2b4', '#6d7f92'].map(fromHex);
 
 /**
  * One colour per part name. Left and right of the same part share a hue, the right one darker, so that a flip is seen at once;
- * parts without a side are grey.
+ * parts without a side are grey. Where no name has a side, each has a hue, and dark ones follow when the hues are used up.
  */
 export function partPalette(names: readonly string[]): LinearRgb[] {
-  const sided = /\b(left|right|l|r)\b/i;
-  const stems = [...new Set(names.filter((name) => sided.test(words(name))).map(stem))];
-  let plain = 0;
+  const stems = [...new Set(names.filter(hasSide).map(stem))];
+  if (stems.length === 0) return names.map((_, k) => shade(k, Math.floor(k / hues.length) % 2 === 1));
+  const middle = names.filter((name) => !hasSide(name));
   return names.map((name) => {
-    if (!sided.test(words(name)) && stems.length > 0) return unsided[plain++ % unsided.length];
-    const hue = hues[(stems.length > 0 ? stems.indexOf(stem(name)) : plain++) % hues.length];
-    return /\b(right|r)\b/i.test(words(name)) ? mix(hue, [0, 0, 0], 0.55) : mix(hue, [1, 1, 1], 0.12);
+    if (!hasSide(name)) return unsided[middle.indexOf(name) % unsided.length];
+    return shade(stems.indexOf(stem(name)), /\b(right|r)\b/i.test(words(name)));
   });
 }
 
+const shade = (k: number, dark: boolean): LinearRgb =>
+  dark ? mix(hues[k % hues.length], [0, 0, 0], 0.55) : mix(hues[k % hues.length], [1, 1, 1], 0.12);
+const hasSide = (name: string): boolean => /\b(left|right|l|r)\b/i.test(words(name));
 const words = (name: string): string => name.replaceAll(/[_.-]/g, ' ');
 const stem = (name: string): string =>
   words(name)

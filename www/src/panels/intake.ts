@@ -5,11 +5,7 @@ import { fromAddress, fromFile, type ScanSource } from '../scan-source';
 import { opposite, sides, type Side } from '../side';
 
 /** The ways in: dropping, choosing a file, picking a sample. */
-export function takeScans(
-  store: AppStore,
-  load: (side: Side, source: ScanSource) => void,
-  samples: Promise<readonly Sample[]>,
-): void {
+export function takeScans(store: AppStore, load: (side: Side, source: ScanSource) => void, samples: Promise<readonly Sample[]>): void {
   const take = (side: Side, files: readonly File[]): void => {
     const [first, second] = files;
     if (first) load(side, fromFile(first));

@@ -26,9 +26,7 @@ export function showLandmarks(store: AppStore): void {
       ...landmarks.map((landmark) => {
         const remove = create('button', { type: 'button', className: 'dismiss', textContent: '×' });
         remove.setAttribute('aria-label', `Remove the landmark from ${landmark[0]} to ${landmark[1]}`);
-        remove.addEventListener('click', () =>
-          store.set({ landmarks: store.get().landmarks.filter((other) => other !== landmark) }),
-        );
+        remove.addEventListener('click', () => store.set({ landmarks: store.get().landmarks.filter((other) => other !== landmark) }));
         return create('li', {}, `A ${landmark[0]} is B ${landmark[1]}`, remove);
       }),
     );

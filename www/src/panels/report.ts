@@ -24,9 +24,10 @@ const deviceName = (kind: 'cpu' | 'webgpu'): string => (kind === 'webgpu' ? 'Run
 function confidencePart({ result }: AppState): Node[] {
   if (!result) return [];
   const { match } = result;
-  const sorted = match.confidence.slice().sort();
-  const share = (100 * matchedCount(match)) / match.targetOf.length;
-  const sure = `${share.toFixed(share > 99.9 || share < 10 ? 1 : 0)} % of A is matched; half of the points with a confidence of ${(sorted[sorted.length >> 1] ?? 0).toFixed(2)} or more.`;
+  const found = matchedCount(match);
+  const share = found === match.targetOf.length ? 'All' : `${((100 * found) / match.targetOf.length).toFixed(1)} %`;
+  const median = match.confidence.slice().sort()[match.confidence.length >> 1];
+  const sure = `${share} of A is matched; median confidence ${median.toFixed(2)}.`;
   return [create('p', { className: 'verdict', textContent: sure })];
 }
 
@@ -85,14 +86,8 @@ function timePart({ scans, result }: AppState): Node[] {
 function devicePart({ device, result }: AppState): Node[] {
   if (!device) return [];
   const adapter = device.adapter === undefined ? '' : ` (${device.adapter})`;
-  const sentences = [
-    `${deviceName(device.kind)}${adapter}. ${asSentence(device.reason)}`,
-    ...(result ? runSentences(result.match) : []),
-  ];
-  return [
-    create('h3', { textContent: 'Device' }),
-    ...sentences.map((textContent) => create('p', { className: 'facts', textContent })),
-  ];
+  const sentences = [`${deviceName(device.kind)}${adapter}. ${asSentence(device.reason)}`, ...(result ? runSentences(result.match) : [])];
+  return [create('h3', { textContent: 'Device' }), ...sentences.map((textContent) => create('p', { className: 'facts', textContent }))];
 }
 
 function runSentences({ report }: Match): string[] {

@@ -43,10 +43,7 @@ export class MatchLine {
 
   #place(): void {
     const pair = this.#pair;
-    const ends = pair && [
-      this.#end(pair.side, pair.index),
-      pair.partner === null ? null : this.#end(opposite(pair.side), pair.partner),
-    ];
+    const ends = pair && [this.#end(pair.side, pair.index), pair.partner === null ? null : this.#end(opposite(pair.side), pair.partner)];
     this.#rings.forEach((circles, k) => {
       const end = ends?.[k];
       for (const circle of circles) {

@@ -11,9 +11,7 @@ const layer = 0.045;
 /** The point of the body under a pixel of its view (x right, y down), or null. */
 export function pick(view: Viewport, x: number, y: number): number | null {
   if (!view.body) return null;
-  return view.body.object instanceof THREE.Mesh
-    ? pickCorner(view, view.body.object, x, y)
-    : pickNear(view, x, y, usualReach(view));
+  return view.body.object instanceof THREE.Mesh ? pickCorner(view, view.body.object, x, y) : pickNear(view, x, y, usualReach(view));
 }
 
 /** On a mesh: the corner of the face under the pixel that is nearest to it. */
