@@ -117,7 +117,9 @@ fn assert_pairs(matrix: &CsMat<f64>, mass: &[f64], basis: &SpectralBasis) {
         let expected = if i == j { 1.0 } else { 0.0 };
         assert!((value - expected).abs() <= 1e-8, "ΦᵀMΦ at ({i}, {j}) is {value}");
     }
-    let largest = lambda[lambda.len() - 1];
+    // Where only zeros are asked for, against the size of the operator.
+    let mean = matrix.diag_iter().zip(mass).map(|(d, m)| d.map_or(0.0, |d| d / m.max(f64::MIN_POSITIVE))).sum::<f64>();
+    let largest = lambda[lambda.len() - 1].max(1e-9 * mean / mass.len() as f64);
     for c in 0..basis.k() {
         let mut residual = vec![0.0; mass.len()];
         matrix.iter().for_each(|(&value, (i, j))| residual[i] += value * phi[(j, c)]);
@@ -334,9 +336,10 @@ fn a_rod_a_thousand_times_as_long_as_thick_vibrates_like_a_string() {
     let operator = laplacian(&rod.shape(), LaplacianKind::Cotangent);
     let (basis, _) = solved(&operator.matrix, &operator.mass, 60);
     for (c, &lambda) in basis.eigenvalues.iter().enumerate() {
-        let exact = (PI * c as f64 / 1000.0).powi(2);
-        // 1 % is λh²/12 at the 59th half wave.
-        assert!((lambda - exact).abs() <= 0.01 * exact + 1e-12, "λ_{c} is {lambda}, should be {exact}");
+        // Right triangles on a prism are exactly the string of 400 links; π²c²/1000² within 2 % here.
+        let exact = (2.0 - 2.0 * (PI * c as f64 / 400.0).cos()) / 2.5_f64.powi(2);
+        // 1e-6: how far the middle of an arc is from where the octagon has its mass is no matter along the rod.
+        assert!((lambda - exact).abs() <= 1e-6 * exact + 1e-12, "λ_{c} is {lambda}, should be {exact}");
     }
 }
 
@@ -415,7 +418,7 @@ fn poisoned_matrices_are_refused() {
                 let mut matrix = known.matrix.clone();
                 matrix.data_mut()[slot] = poison;
                 let error = refused(&matrix, &known.mass, 20);
-                assert!(["not-factorised", "invalid-matrix"].contains(&error.code()), "{poison} at {slot}: {error}");
+                assert!(error.code() == "invalid-matrix", "{poison} at {slot}: {error}");
             }
         }
     }

@@ -37,7 +37,7 @@ pub struct SpectrumReport {
     pub residual: f64,
     /// Connected pieces, each with an eigenvalue zero of its own.
     pub pieces: usize,
-    /// True when the inertia of L − μM proved that no eigenvalue below μ was missed.
+    /// True when the inertia of L − μM, μ just under the last eigenvalue, proved that none below was missed.
     pub complete: bool,
 }
 
@@ -45,7 +45,7 @@ pub struct SpectrumReport {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpectrumError {
-    /// Arrays of different lengths, unsorted columns, or an index out of range.
+    /// Arrays of different lengths, unsorted columns, an index out of range, entries that are not finite or not symmetric.
     #[error("the matrix is not valid: {reason}")]
     InvalidMatrix {
         /// What is wrong.
@@ -65,8 +65,8 @@ pub enum SpectrumError {
         /// Its mass.
         mass: f64,
     },
-    /// NaN, infinite, or so indefinite that the shifted matrix has no factorisation.
-    #[error("the Laplacian could not be factorised: it is not a finite positive semi-definite matrix")]
+    /// A negative eigenvalue, or no factorisation at all.
+    #[error("the Laplacian could not be factorised: it is not a positive semi-definite matrix")]
     NotFactorised,
     /// More pairs asked for than fit in memory.
     #[error("{eigenpairs} eigenpairs of {points} points need {bytes} bytes; ask for fewer")]
@@ -146,16 +146,19 @@ pub fn spectrum(
     if k == 0 {
         return Err(SpectrumError::TooFewPoints { found: active.len() });
     }
-    let (matrix, mass_of_active) = restrict(matrix, mass, &active);
+    let (mut matrix, mut mass_of_active) = restrict(matrix, mass, &active);
+    let (weight, root_mass) = scales(&matrix, &mass_of_active);
+    matrix.map_inplace(|value| value / weight);
+    mass_of_active.iter_mut().for_each(|m| *m /= root_mass * root_mass);
     let (eigenvalues, vectors, report) = solve(&matrix, &mass_of_active, k, progress)?;
     let mut eigenvectors = Array2::zeros((n, k));
     for (row, &i) in active.iter().enumerate() {
         for j in 0..k {
-            eigenvectors[(i, j)] = vectors[(row, j)];
+            eigenvectors[(i, j)] = vectors[(row, j)] / root_mass;
         }
     }
-    let basis =
-        SpectralBasis { eigenvalues: Array1::from(eigenvalues), eigenvectors, mass: Array1::from(mass.to_vec()) };
+    let eigenvalues = Array1::from(eigenvalues) * (weight / (root_mass * root_mass));
+    let basis = SpectralBasis { eigenvalues, eigenvectors, mass: Array1::from(mass.to_vec()) };
     progress.at(Stage::Spectrum, 1.0)?;
     Ok((basis, report))
 }
@@ -167,11 +170,9 @@ fn active_points(matrix: &CsMat<f64>, mass: &[f64]) -> Result<Vec<usize>, Spectr
             reason: format!("{} × {} for {} masses", matrix.rows(), matrix.cols(), mass.len()),
         });
     }
+    check_entries(matrix)?;
     let mut active = Vec::with_capacity(mass.len());
     for (index, row) in matrix.outer_iterator().enumerate() {
-        if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
-            return Err(SpectrumError::InvalidMatrix { reason: format!("entry ({index}, {j}) is {value}") });
-        }
         let empty = row.iter().all(|(_, &value)| value == 0.0);
         let mass = mass[index];
         match mass {
@@ -181,6 +182,31 @@ fn active_points(matrix: &CsMat<f64>, mass: &[f64]) -> Result<Vec<usize>, Spectr
         }
     }
     Ok(active)
+}
+
+/// Refuses entries that are not finite, and two of a pair that differ by more than rounding.
+fn check_entries(matrix: &CsMat<f64>) -> Result<(), SpectrumError> {
+    let invalid = |reason| Err(SpectrumError::InvalidMatrix { reason });
+    if let Some((value, (i, j))) = matrix.iter().find(|(value, _)| !value.is_finite()) {
+        return invalid(format!("entry ({i}, {j}) is {value}"));
+    }
+    let largest = matrix.data().iter().fold(0.0, |m: f64, value| m.max(value.abs()));
+    let difference = matrix - &matrix.transpose_view().to_csr();
+    match difference.iter().find(|(value, _)| value.abs() > 1e-9 * largest) {
+        Some((value, (i, j))) => invalid(format!("entries ({i}, {j}) and ({j}, {i}) differ by {value:e}")),
+        None => Ok(()),
+    }
+}
+
+/// Powers of two that bring L, and the root of M, near 1, so that the unit of the scan meets no threshold on the way: with masses
+/// of 1e-12 the dense eigensolver of the projected problem loses five digits. Division by them rounds nothing.
+fn scales(matrix: &CsMat<f64>, mass: &[f64]) -> (f64, f64) {
+    let n = mass.len() as f64;
+    let weight = matrix.diag_iter().map(|d| d.map_or(0.0, |d| d.abs())).sum::<f64>() / n;
+    let root_mass = (mass.iter().sum::<f64>() / n).sqrt();
+    // All bits but those of the exponent dropped; 0 and what overflowed stay as they are.
+    let power = |x: f64| if x.is_normal() { f64::from_bits(x.to_bits() & f64::INFINITY.to_bits()) } else { 1.0 };
+    (power(weight), power(root_mass))
 }
 
 /// Rows and columns of the active points, with every diagonal entry present.
@@ -226,6 +252,13 @@ fn solve(
     let root_mass: Vec<f64> = mass.iter().map(|m| m.sqrt()).collect();
     let edges = matrix.iter().filter(|&(&value, _)| value != 0.0).map(|(_, (i, j))| (i as u32, j as u32));
     let (piece, pieces) = components(n, edges);
+    // By Weyl's law eigenvalues grow about linearly up to twice their mean.
+    let mean = matrix.diag_iter().zip(mass).map(|(d, m)| d.copied().unwrap_or(0.0) / m).sum::<f64>() / n as f64;
+    let known = null_vectors(matrix, &root_mass, &piece, pieces, k, mean);
+    if known.ncols() == k {
+        let report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: true };
+        return finish(matrix, mass, &root_mass, vec![0.0; k], known, report);
+    }
     let subspace = (2 * k + 10 * BLOCK).max(40);
     if n <= DENSE || (subspace + 2 * BLOCK >= n && n <= 10 * DENSE) {
         let (values, vectors) = smallest_eigenpairs(matrix, &root_mass, k).ok_or(SpectrumError::NotFactorised)?;
@@ -238,14 +271,14 @@ fn solve(
     }
 
     let pencil = Pencil::new(matrix, mass).ok_or(SpectrumError::NotFactorised)?;
-    // By Weyl's law eigenvalues grow about linearly up to twice their mean, the k-th near 2 k/n of it; a tenth of that keeps L + shift·M
-    // well conditioned without blurring the low end.
-    let mean = matrix.diag_iter().zip(mass).map(|(d, m)| d.copied().unwrap_or(0.0) / m).sum::<f64>() / n as f64;
+    // The k-th is near 2 k/n of the mean; a tenth of that keeps L + shift·M well conditioned without blurring the low end.
     let shift = if mean > 0.0 && mean.is_finite() { 0.2 * mean * k as f64 / n as f64 } else { 1.0 };
     let mut factor = pencil.factor(shift).ok_or(SpectrumError::NotFactorised)?;
+    if factor.negative_pivots() > 0 {
+        return Err(SpectrumError::NotFactorised);
+    }
     progress.at(Stage::Spectrum, 0.1)?;
 
-    let known = null_vectors(matrix, &root_mass, &piece, pieces, k, mean);
     let apply = |columns: MatMut<'_, f64>| apply_inverse(&mut factor, &root_mass, columns);
     let capacity = subspace + known.ncols();
     let mut lanczos = Lanczos::new(apply, known.as_ref(), 1.0 / shift, BLOCK, capacity);
@@ -261,8 +294,8 @@ fn solve(
         let ritz = lanczos.ritz().ok_or(SpectrumError::NotFactorised)?;
         let converged = (0..k).take_while(|&i| ritz.residuals[i] <= RITZ_RESIDUAL * ritz.values[i]).count();
         if converged == k {
-            let eigenvalues: Vec<f64> = ritz.values.iter().map(|theta| 1.0 / theta - shift).collect();
-            match missed(&pencil, &eigenvalues, k) {
+            let eigenvalues: Vec<f64> = ritz.values[..k].iter().map(|theta| 1.0 / theta - shift).collect();
+            match missed(&pencil, &eigenvalues) {
                 Some(0) => report.complete = true,
                 Some(_) if report.restarts < RESTARTS => {
                     report.restarts += 1;
@@ -270,9 +303,13 @@ fn solve(
                     next_look = lanczos.applied() + k / 2 + 4 * BLOCK;
                     continue;
                 }
-                _ => {}
+                Some(missed) => {
+                    let residual = ritz.residuals[k - 1] / ritz.values[k - 1];
+                    return Err(SpectrumError::NotConverged { converged: k - missed.min(k), wanted: k, residual });
+                }
+                None => {}
             }
-            break (eigenvalues[..k].to_vec(), lanczos.vectors(&ritz, k));
+            break (eigenvalues, lanczos.vectors(&ritz, k));
         }
         if !lanczos.has_room() {
             if report.restarts == RESTARTS {
@@ -301,8 +338,7 @@ fn apply_inverse(factor: &mut Factor<'_>, root_mass: &[f64], mut columns: MatMut
     scale(&mut columns);
 }
 
-/// M^½ times the indicator of each piece, normalised, as far as they really are null vectors of L (rows that sum to zero)
-/// and no more than k of them.
+/// M^½ times the indicator of each piece, normalised, where they really are null vectors of L (rows that sum to zero); the first k of them.
 fn null_vectors(
     matrix: &CsMat<f64>,
     root_mass: &[f64],
@@ -329,14 +365,17 @@ fn null_vectors(
     vectors
 }
 
-/// How many eigenvalues lie below the k-th (or below the last clear gap before it) beyond those found.
-/// `None` when no gap is wide enough, or the factorisation breaks down, so that nothing can be said.
-fn missed(pencil: &Pencil<'_>, eigenvalues: &[f64], k: usize) -> Option<usize> {
+/// How many eigenvalues lie below the last of those found beyond the ones found there. Counted just under the cluster that the last belongs
+/// to: how much of a cluster lies beyond k says nothing, and counting above it would ask for all of it.
+/// `None` when the factorisation breaks down, so that nothing can be said.
+fn missed(pencil: &Pencil<'_>, eigenvalues: &[f64]) -> Option<usize> {
+    let k = eigenvalues.len();
     let clear = 1e-6 * eigenvalues[k - 1];
-    let cut = (1..=k).rev().find(|&c| c < eigenvalues.len() && eigenvalues[c] - eigenvalues[c - 1] > clear)?;
-    let mu = eigenvalues[cut - 1] + 0.1 * (eigenvalues[cut] - eigenvalues[cut - 1]).min(1e3 * clear);
+    let first = (1..k).rev().find(|&c| eigenvalues[c] - eigenvalues[c - 1] > clear).unwrap_or(0);
+    let gap = if first > 0 { eigenvalues[first] - eigenvalues[first - 1] } else { f64::INFINITY };
+    let mu = eigenvalues[first] - 0.1 * gap.min(1e3 * clear);
     let below = pencil.factor(-mu)?.negative_pivots();
-    Some(below.saturating_sub(cut))
+    Some(below.saturating_sub(first))
 }
 
 /// From orthonormal vectors y to eigenfunctions φ = M^−½y: sorted, signed, and their residual measured.
@@ -355,7 +394,10 @@ fn finish(
     // With more pieces than eigenpairs all eigenvalues are zero; rounding is then measured against the mean of the whole spectrum.
     let mean =
         matrix.diag_iter().zip(mass).map(|(d, m)| d.copied().unwrap_or(0.0) / m).sum::<f64>() / mass.len() as f64;
-    let largest = values.last().copied().unwrap_or(0.0).max(1e-6 * mean);
+    let largest = values.iter().fold(1e-6 * mean, |m: f64, value| m.max(value.abs()));
+    if values.iter().any(|&value| value < -RESIDUAL * largest) {
+        return Err(SpectrumError::NotFactorised);
+    }
     let residuals: Vec<f64> =
         (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
     report.residual = residuals.iter().copied().fold(0.0, f64::max);

@@ -23,7 +23,7 @@ impl Soup {
         Self { points: self.points.clone(), faces: vec![] }
     }
 
-    pub fn moved(&self, motion: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+    pub fn moved(&self, mut motion: impl FnMut([f64; 3]) -> [f64; 3]) -> Self {
         Self { points: self.points.iter().map(|&p| motion(p)).collect(), faces: self.faces.clone() }
     }
 
@@ -208,8 +208,8 @@ pub fn folded_strip(n: u32, m: u32, gap: f64) -> Soup {
     let mut points = vec![];
     for i in 0..n {
         for j in 0..m {
-            let along = f64::from(i) + 0.2 * random.sign();
-            let across = f64::from(j) + 0.2 * random.sign();
+            let along = f64::from(i) + 0.1 * random.sign();
+            let across = f64::from(j) + 0.1 * random.sign();
             let bend = ((along - straight) / radius).clamp(0.0, PI);
             let back = (along - straight - PI * radius).max(0.0);
             let x = along.min(straight) + radius * bend.sin() - back;
