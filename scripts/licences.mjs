@@ -11,6 +11,7 @@ const ALLOWED = new Set([
   'BSD-2-Clause',
   'BSD-3-Clause',
   'BSL-1.0',
+  'BlueOak-1.0.0',
   'CC0-1.0',
   'ISC',
   'MIT',
@@ -18,8 +19,8 @@ const ALLOWED = new Set([
   'Unlicense',
   'Zlib',
 ]);
-/** Programs that only build the page: nothing of theirs is shipped. */
-const BUILD_ONLY = { 'MPL-2.0': /^lightningcss/ };
+/** Programs that only build or test, and their data: nothing of theirs is shipped. */
+const BUILD_ONLY = { 'MPL-2.0': /^lightningcss/, 'CC-BY-4.0': /^caniuse-lite$/ };
 const WASM = 'wasm32-unknown-unknown';
 
 /** Throws unless every crate and every npm package, tests and tools included, is under an allowed licence. */

@@ -18,9 +18,16 @@ export async function serveSite({ port, strictPort = true }) {
   return { address: server.resolvedUrls.local[0], close: () => server.close() };
 }
 
+/** A signal that ends npm ends the shell between us too, but is not passed on to us: be gone when they are. */
+function endWithNpm() {
+  const parent = process.ppid;
+  setInterval(() => process.ppid !== parent && process.exit(), 500);
+}
+
 await main(import.meta, async () => {
   await buildSite();
   const { PORT } = process.env;
   const { address } = await serveSite({ port: Number(PORT ?? 4173), strictPort: PORT !== undefined });
   console.log(`GeoSe-FMap is at ${address} (Ctrl+C ends it)`);
+  endWithNpm();
 });

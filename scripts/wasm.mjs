@@ -32,9 +32,9 @@ export async function buildWasm() {
     () => {
       run('wasm-pack', ['build', '--release', '--target', 'web', '--no-pack', '--no-opt', '--out-dir', 'pkg', '--', '--locked'], { env });
       run('wasm-opt', [...OPTIMISE, '-o', MODULE, MODULE], { env });
+      checkSize(MODULE);
     },
   );
-  checkSize(MODULE);
 }
 
 await main(import.meta, buildWasm);

@@ -474,6 +474,15 @@ fn matrices_that_are_not_symmetric_are_refused() {
 }
 
 #[test]
+fn a_matrix_of_zeros_has_only_zeros() {
+    for n in [60, 500] {
+        let (basis, report) = solved(&CsMat::zero((n, n)), &vec![2.0; n], 20);
+        assert!(basis.eigenvalues.iter().all(|&lambda| lambda == 0.0));
+        assert_eq!(report.pieces, n);
+    }
+}
+
+#[test]
 fn a_positive_definite_matrix_has_no_zero_but_all_else() {
     // L + M/10: nothing the solver knows about null vectors applies.
     let mut known = flat_torus(26, 26, 1.0, 0.0, 1.0);

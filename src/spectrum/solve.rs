@@ -415,7 +415,7 @@ fn finish(
         column.iter_mut().zip(root_mass).for_each(|(y, root)| *y /= root);
     }
     make_canonical(vectors.as_mut(), mass);
-    let floor = ROUNDING * mean_eigenvalue(matrix, mass);
+    let floor = (ROUNDING * mean_eigenvalue(matrix, mass)).max(f64::MIN_POSITIVE);
     let largest = values.iter().fold(floor, |m: f64, value| m.max(value.abs()));
     if values.iter().any(|&value| value < -RESIDUAL * largest) {
         return Err(SpectrumError::NotFactorised);
@@ -423,8 +423,8 @@ fn finish(
     let residuals: Vec<f64> =
         (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
     report.residual = residuals.iter().copied().fold(0.0, f64::max);
-    // Not finite counts as not small.
-    if report.residual.is_nan() || report.residual > RESIDUAL {
+    // Written so that NaN fails too, which the maximum passes over.
+    if !residuals.iter().all(|&r| r <= RESIDUAL) {
         let converged = residuals.iter().filter(|&&r| r <= RESIDUAL).count();
         return Err(SpectrumError::NotConverged { converged, wanted: values.len(), residual: report.residual });
     }
