@@ -51,7 +51,7 @@ mod spectrum;
 #[cfg(feature = "train")]
 pub mod train;
 #[cfg(target_arch = "wasm32")]
-mod wasm;
+pub mod wasm;
 
 pub use device::{Cpu, Device};
 pub use error::Error;

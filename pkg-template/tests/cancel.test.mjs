@@ -39,7 +39,7 @@ describe('cancelling', () => {
     const told = [];
     await matcher.prepare(lump(), { ...OPTIONS, onProgress: (progress) => told.push(progress) });
     assert.deepEqual([...heard.prepare], STAGES.filter((stage) => heard.prepare.has(stage)));
-    assert.ok(['graph', 'laplacian', 'spectrum'].every((stage) => heard.prepare.has(stage)), [...heard.prepare].join());
+    assert.ok(['sample', 'laplacian', 'spectrum', 'features'].every((stage) => heard.prepare.has(stage)), [...heard.prepare].join());
     assert.ok(['functional-map', 'refine', 'correspondence'].every((stage) => heard.match.has(stage)), [...heard.match].join());
     for (const { stage, fraction } of told) assert.ok(STAGES.includes(stage) && fraction >= 0 && fraction <= 1);
   });
