@@ -50,6 +50,7 @@ mod shape;
 mod spectrum;
 #[cfg(feature = "train")]
 pub mod train;
+mod vector;
 #[cfg(target_arch = "wasm32")]
 pub mod wasm;
 

@@ -4,6 +4,8 @@
 use faer::{Mat, MatRef, Side};
 use ndarray::{Array2, ArrayView2};
 
+use crate::vector::{cross, dot};
+
 /// A proper rotation: x ↦ R x.
 pub(super) type Rotation = [[f64; 3]; 3];
 
@@ -92,12 +94,4 @@ pub(super) fn inverse(r: &Rotation) -> Rotation {
 fn determinant(m: MatRef<'_, f64>) -> f64 {
     let row = |i: usize| -> [f64; 3] { std::array::from_fn(|j| m[(i, j)]) };
     dot(row(0), cross(row(1), row(2)))
-}
-
-fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }

@@ -6,6 +6,8 @@
 use faer::{Mat, Side};
 use ndarray::{Array2, ArrayView2};
 
+use crate::vector::{cross, dot};
+
 /// Neighbourhood that a tangent plane is fitted to, in √area: half a forearm's width.
 const NEAR: f64 = 0.06;
 /// Neighbourhood whose centre of mass lies inside the body.
@@ -80,12 +82,4 @@ pub(super) fn chirality(
         };
     }
     balance as f64 / n.max(1) as f64
-}
-
-fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }

@@ -2,6 +2,7 @@
 
 use crate::graph::{BoundedDijkstra, EdgeGraph};
 use crate::shape::Shape;
+use crate::vector::squared_distance;
 
 /// Shortest paths along the edges of a mesh, and the area they are measured against.
 pub struct EdgeDistances {
@@ -13,10 +14,7 @@ impl EdgeDistances {
     /// For a mesh; a cloud has no edges, and every distance between different points is infinite.
     pub fn new(mesh: &Shape) -> Self {
         let points = mesh.points();
-        let length = |i: u32, j: u32| {
-            let (p, q) = (points[i as usize], points[j as usize]);
-            (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f64>().sqrt()
-        };
+        let length = |i: u32, j: u32| squared_distance(points[i as usize], points[j as usize]).sqrt();
         let edges = mesh.faces().iter().flat_map(|f| (0..3).map(move |s| (f[s], f[(s + 1) % 3])));
         let graph = EdgeGraph::from_edges(points.len(), edges.map(|(i, j)| (i, j, length(i, j))));
         Self { graph, root_area: mesh.surface_area().sqrt() }

@@ -5,6 +5,7 @@
 
 use super::{Laplacian, LaplacianKind, cloud_mass};
 use crate::graph::{EdgeGraph, Neighbours};
+use crate::vector::squared_distance;
 
 /// Parameters of the Gaussian weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,8 +62,4 @@ pub fn gaussian_laplacian(
     let energy: f64 = normalised().map(|(i, j, w)| w * squared_distance(points[i as usize], points[j as usize])).sum();
     let scale = if energy > 0.0 { 2.0 * mass.iter().sum::<f64>() / energy } else { 0.0 };
     Laplacian::from_weights(kind, mass, normalised().map(|(i, j, w)| (i, j, w * scale)))
-}
-
-fn squared_distance(p: [f64; 3], q: [f64; 3]) -> f64 {
-    (0..3).map(|c| (p[c] - q[c]).powi(2)).sum()
 }

@@ -6,6 +6,8 @@
 
 use std::collections::HashMap;
 
+use crate::vector::{cross, dot, minus, norm, squared_distance};
+
 /// One of the three sides of a triangle: side s of face f runs from its vertex s to vertex s + 1 (mod 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Side {
@@ -29,7 +31,9 @@ impl TuftedCover {
     pub(super) fn new(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Self {
         let mut lengths: Vec<[f64; 3]> = faces
             .iter()
-            .map(|f| std::array::from_fn(|s| distance(points[f[s] as usize], points[f[(s + 1) % 3] as usize])))
+            .map(|f| {
+                std::array::from_fn(|s| squared_distance(points[f[s] as usize], points[f[(s + 1) % 3] as usize]).sqrt())
+            })
             .collect();
         mollify(faces, &mut lengths);
 
@@ -211,13 +215,13 @@ fn mollify(faces: &[[u32; 3]], lengths: &mut [[f64; 3]]) {
 /// Orders the sheets around edge a–b by the angle of their third vertex about the edge.
 fn sort_by_angle(points: &[[f64; 3]], faces: &[[u32; 3]], a: u32, b: u32, around: &mut [Side]) {
     let origin = points[a as usize];
-    let axis = normalise(subtract(points[b as usize], origin));
+    let axis = normalise(minus(points[b as usize], origin));
     let helper = if axis[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let u = normalise(cross(axis, helper));
     let v = cross(axis, u);
     let angle = |side: &Side| {
         let third = faces[side.face as usize][(side.side as usize + 2) % 3];
-        let w = subtract(points[third as usize], origin);
+        let w = minus(points[third as usize], origin);
         dot(w, v).atan2(dot(w, u))
     };
     around.sort_by(|x, y| angle(x).total_cmp(&angle(y)).then(x.face.cmp(&y.face)));
@@ -232,24 +236,7 @@ fn area(a: f64, b: f64, c: f64) -> f64 {
     0.25 * product.max(0.0).sqrt()
 }
 
-fn subtract(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-}
-
 fn normalise(p: [f64; 3]) -> [f64; 3] {
-    let length = dot(p, p).sqrt();
+    let length = norm(p);
     if length > 0.0 { p.map(|x| x / length) } else { p }
-}
-
-fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
-    let d = subtract(p, q);
-    dot(d, d).sqrt()
 }

@@ -2,8 +2,8 @@
 
 use super::error::ShapeError;
 use super::repair::{Repair, counted};
-use super::spread::{cross, minus, norm};
 use crate::graph::components;
+use crate::vector::{cross, minus, norm};
 
 /// Refuses a face that names a missing point.
 pub(super) fn check_indices(faces: &[[u32; 3]], points: usize) -> Result<(), ShapeError> {

@@ -6,6 +6,8 @@ mod repair;
 mod sample;
 mod spread;
 
+use crate::vector::{cross, minus, norm};
+
 pub use error::ShapeError;
 pub use repair::Repair;
 pub use sample::{farthest_points, nearest_samples};
@@ -133,9 +135,8 @@ impl Shape {
     /// Sum of the triangle areas, in unit²; 0 for a cloud.
     pub fn surface_area(&self) -> f64 {
         let corner = |i: u32| self.points[i as usize];
-        let doubled = self.faces.iter().map(|&[a, b, c]| {
-            spread::norm(spread::cross(spread::minus(corner(b), corner(a)), spread::minus(corner(c), corner(a))))
-        });
+        let doubled =
+            self.faces.iter().map(|&[a, b, c]| norm(cross(minus(corner(b), corner(a)), minus(corner(c), corner(a)))));
         0.5 * doubled.sum::<f64>()
     }
 

@@ -2,6 +2,8 @@
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
+use crate::vector::squared_distance;
+
 /// `count` of the points `allowed`, each as far as possible from those before it (Gonzalez 1985), starting farthest from their centroid.
 /// A prefix of the result is itself such a sampling. Ties go to the lower index, so the same points give the same samples.
 pub fn farthest_points(points: &[[f64; 3]], allowed: &[u32], count: usize) -> Vec<u32> {
@@ -50,8 +52,4 @@ pub fn nearest_samples(points: &[[f64; 3]], samples: &[u32]) -> Vec<u32> {
         return vec![0; points.len()];
     };
     points.iter().map(|point| tree.query(point).nearest_one::<SquaredEuclidean<f64>>().execute().item).collect()
-}
-
-fn squared_distance(p: [f64; 3], q: [f64; 3]) -> f64 {
-    (0..3).map(|c| (p[c] - q[c]).powi(2)).sum()
 }

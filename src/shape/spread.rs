@@ -1,5 +1,7 @@
 //! Whether a set of points spans enough space to carry a surface, and how finely its coordinates resolve it.
 
+use crate::vector::{cross, minus, norm};
+
 use super::error::ShapeError;
 use super::repair::Repair;
 use super::{MAX_COORDINATE, MIN_EXTENT};
@@ -59,16 +61,4 @@ fn width(points: &[[f64; 3]]) -> f64 {
     let length = norm(along);
     let along = along.map(|c| c / length);
     points.iter().map(|&p| norm(cross(minus(p, points[0]), along))).fold(0.0, f64::max)
-}
-
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(super) fn norm(a: [f64; 3]) -> f64 {
-    (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
 }
