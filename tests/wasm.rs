@@ -74,8 +74,8 @@ fn a_body_matches_its_turned_copy_point_for_point_and_twice_the_same() {
     let options = PrepareOptions { eigenpairs: 40, ..PrepareOptions::default() };
     let (a, b) = (prepared(original.shape(), &options), prepared(turned.shape(), &options));
     let run = || {
-        let matched = match_shapes(&Cpu, &a, &b, &MatchOptions::default(), &mut Progress::silent());
-        pollster::block_on(matched).expect("a match").a_to_b
+        let (options, mut progress) = (MatchOptions::default(), Progress::silent());
+        pollster::block_on(match_shapes(&Cpu, &a, &b, &options, &mut progress)).expect("a match").a_to_b
     };
     let map = run();
     let right = map.target.iter().enumerate().filter(|&(i, &j)| i == j as usize).count();
@@ -91,7 +91,7 @@ fn two_sample_bodies_match_through_the_bindings_with_every_stage_told() {
         let told = told.clone();
         Closure::<dyn FnMut(JsValue, f64)>::new(move |stage, fraction: f64| {
             assert!((0.0..=1.0).contains(&fraction));
-            if told.last() != stage {
+            if told.at(-1) != stage {
                 told.push(&stage);
             }
         })

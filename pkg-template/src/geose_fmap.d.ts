@@ -48,7 +48,7 @@ export function version(): string;
 export function memory_bytes(): number;
 /** Size of the last request for memory that was refused; 0 when none was. */
 export function refused_bytes(): number;
-/** Place and message of the panic that the instance died of. */
+/** Message of the panic that the instance died of. */
 export function last_panic(): string | undefined;
 /** A real trap, to test recovery with. */
 export function trap(): never;

@@ -104,18 +104,17 @@ function isTyped(error: unknown): error is Extract<FromWorker, { type: 'failed' 
 }
 
 function crashOf(error: unknown): FromWorker {
-  const { memoryBytes, refusedBytes, panic } = remains();
+  const { panic, ...memory } = remains();
   const reason = panic ?? (error instanceof Error ? error.message : String(error));
+  const details = { ...memory, reason };
   // JavaScript's own arrays can be refused too, and Rust calls what no memory could hold a capacity overflow.
   const refused = (error instanceof RangeError && /alloc|memory/i.test(reason)) || /capacity overflow/.test(reason);
-  return refused || refusedBytes > 0
-    ? {
-        type: 'crashed',
-        code: 'out-of-memory',
-        message: `the matcher ran out of memory: ${reason}`,
-        details: { memoryBytes, refusedBytes },
-      }
-    : { type: 'crashed', code: 'crashed', message: `the matcher crashed: ${reason}`, details: { memoryBytes } };
+  if (!refused && memory.refusedBytes === 0)
+    return { type: 'crashed', code: 'crashed', message: `the matcher crashed: ${reason}`, details };
+  const megabytes = (bytes: number) => `${Math.ceil(bytes / 2 ** 20)} MiB`;
+  const more = memory.refusedBytes > 0 ? `${megabytes(memory.refusedBytes)} more` : 'more';
+  const message = `the matcher ran out of memory: it had ${megabytes(memory.memoryBytes)} and could not get ${more}`;
+  return { type: 'crashed', code: 'out-of-memory', message, details };
 }
 
 /** What a dead instance still tells; nothing when there never was one. */

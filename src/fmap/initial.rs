@@ -41,9 +41,13 @@ pub async fn initial_maps<D: Device>(
         m.basis.project(features.view()) / channels.sqrt()
     };
     let (invariant_a, invariant_b) = (invariant(a), invariant(b));
-    let position_a = position_coefficients(a, a.points.view());
+    let axes = |m: &Matchable| principal_axes(m.points.view(), m.basis.mass.iter().copied());
+    let (axes_a, axes_b) = (axes(a), axes(b));
+    // Along the axes of A, because sines along those of the upload would change when it is turned. Which way an axis points does not matter:
+    // that changes a sign on both sides.
+    let position_a = position_coefficients(a, rotate(a.points.view(), &axes_a).view());
     let solve = |k: usize, rotation: &Rotation| {
-        let position_b = position_coefficients(b, rotate(b.points.view(), rotation).view());
+        let position_b = position_coefficients(b, rotate(b.points.view(), &compose(&axes_a, rotation)).view());
         let mut parts_a = vec![invariant_a.view(), position_a.view()];
         let mut parts_b = vec![invariant_b.view(), position_b.view()];
         if let Some((landmarks_a, landmarks_b)) = landmarks {
@@ -54,8 +58,6 @@ pub async fn initial_maps<D: Device>(
         solve_both(a, b, join(&parts_a).view(), join(&parts_b).view(), k)
     };
 
-    let axes = |m: &Matchable| principal_axes(m.points.view(), m.basis.mass.iter().copied());
-    let (axes_a, axes_b) = (axes(a), axes(b));
     let k = FIRST.min(a.basis.k()).min(b.basis.k());
     let trial = Trial::new(device, a, b, k);
     let mut tried = Vec::new();

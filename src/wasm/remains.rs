@@ -50,7 +50,9 @@ pub(super) fn keep_panics() {
     panic::set_hook(Box::new(|panic| {
         console_error_panic_hook::hook(panic);
         if let Ok(mut last) = LAST_PANIC.try_lock() {
-            *last = Some(panic.to_string());
+            let payload = panic.payload();
+            let text = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+            *last = text.map(str::to_owned);
         }
     }));
 }
@@ -61,7 +63,7 @@ pub fn refused_bytes() -> f64 {
     REFUSED.load(Ordering::Relaxed) as f64
 }
 
-/// Place and message of the panic that the instance died of.
+/// Message of the panic that the instance died of.
 #[wasm_bindgen]
 pub fn last_panic() -> Option<String> {
     LAST_PANIC.try_lock().ok().and_then(|last| last.clone())
