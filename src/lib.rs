@@ -3,8 +3,34 @@
 //! The path from bytes to a map, one module per step:
 //!
 //! ```text
-//! bytes ─read─▶ Shape ─graph─▶ GeodesicGraph ─operators─▶ Operators ─spectrum─▶ SpectralBasis
-//!    ─features─▶ PointFeatures ─(pair) fmap─▶ FunctionalMap ─refine─▶ Correspondence
+//! bytes ─read─▶ Shape ─graph─▶ EdgeGraph ─operators─▶ Laplacian ─spectrum─▶ SpectralBasis
+//!    ─features─▶ PointFeatures ─(pair) fmap─▶ FunctionalMap both ways ─refine─▶ Correspondence
+//! ```
+//!
+//! `pipeline.rs` is that line as code; start there. The method is the functional-map framework of the paper "GeoSe-FMap:
+//! Geometry–Semantic Functional Maps for Weakly Supervised Cross-Modal Deformable 3D Shape Correspondence"; where this crate departs from
+//! it, the place says so and why.
+//!
+//! ```
+//! use geose_fmap::{Cpu, MatchOptions, PrepareOptions, Progress, Shape, match_shapes, prepare};
+//!
+//! // A bumpy, asymmetric egg, and the same egg lying on its side.
+//! let egg: Vec<[f64; 3]> = (0..400)
+//!     .map(|i| {
+//!         let (z, turn) = (1.0 - (2 * i + 1) as f64 / 400.0, i as f64 * 2.399963);
+//!         let r = (1.0 - z * z).sqrt() * (1.0 + 0.2 * z + 0.15 * turn.sin());
+//!         [r * turn.cos(), 0.8 * r * turn.sin(), 1.6 * z]
+//!     })
+//!     .collect();
+//! let lying = egg.iter().map(|p| [p[2], p[0], p[1]]).collect();
+//!
+//! let options = PrepareOptions { eigenpairs: 40, ..PrepareOptions::default() };
+//! let mut ready = |points| prepare(Shape::new(points, Vec::new(), None)?, None, &options, &mut Progress::silent());
+//! let (a, b) = (ready(egg)?, ready(lying)?);
+//! let matched = pollster::block_on(match_shapes(&Cpu, &a, &b, &MatchOptions::default(), &mut Progress::silent()))?;
+//! let right = matched.a_to_b.target.iter().enumerate().filter(|&(i, &j)| i == j as usize).count();
+//! assert!(right > 390);
+//! # Ok::<(), geose_fmap::Error>(())
 //! ```
 
 #[cfg(not(target_arch = "wasm32"))]

@@ -52,7 +52,7 @@ pub fn prepare(
     let mut repairs = as_read.repairs().to_vec();
     let used_shape = match options.faces {
         FaceUse::Ignore => as_read.clone().without_faces(),
-        FaceUse::Use => as_read.clone(),
+        FaceUse::Use => as_read.welded(),
     };
 
     progress.at(Stage::Sample, 0.0)?;
@@ -61,7 +61,7 @@ pub fn prepare(
     let whole = surface.len() <= options.points + options.points / 2;
     let samples = match (whole, surface.len() == n) {
         (true, true) => None,
-        (true, false) => Some(surface),
+        (true, false) => Some(surface.clone()),
         (false, _) => Some(farthest_points(used_shape.points(), &surface, options.points)),
     };
     // A mesh keeps its own operator; a cloud, or a mesh too large for that, gets the operator of its samples.
@@ -81,7 +81,10 @@ pub fn prepare(
     };
 
     let laplacian = operators::laplacian(&operator_shape, kind, progress)?;
-    let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, options.eigenpairs, progress)?;
+    let (mut basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, options.eigenpairs, progress)?;
+    if on_all_points {
+        carry_to_bare_points(&mut basis, used_shape.points(), &surface);
+    }
 
     progress.at(Stage::Features, 0.0)?;
     let area = laplacian.area();
@@ -163,6 +166,20 @@ fn surface_points(shape: &Shape) -> Vec<u32> {
     (0..on_surface.len() as u32).filter(|&i| on_surface[i as usize]).collect()
 }
 
+/// Points without surface (split at seams, or used by no face) take the eigenfunctions of the nearest point that has some.
+fn carry_to_bare_points(basis: &mut SpectralBasis, points: &[[f64; 3]], surface: &[u32]) {
+    if surface.len() == points.len() {
+        return;
+    }
+    for (i, row) in nearest_samples(points, surface).into_iter().enumerate() {
+        let nearest = surface[row as usize] as usize;
+        if nearest != i {
+            let values = basis.eigenvectors.row(nearest).to_owned();
+            basis.eigenvectors.row_mut(i).assign(&values);
+        }
+    }
+}
+
 /// λ·A, φ·√A, m/A: the basis as if the surface area A were 1.
 fn at_unit_area(basis: &SpectralBasis, area: f64) -> SpectralBasis {
     SpectralBasis {
@@ -183,6 +200,9 @@ fn labels_used(shape: &PreparedShape, scan: &str) -> Result<Vec<u32>, OptionErro
     Ok((0..shape.points_used()).map(|row| labels[shape.uploaded(row)]).collect())
 }
 
+/// Coefficients (k, l) of functions that correspond, on A and on B.
+type Functions = (Array2<f64>, Array2<f64>);
+
 /// Known pairs as functions on both sides, from uploaded indices.
 fn landmarks(
     a: &PreparedShape,
@@ -190,7 +210,7 @@ fn landmarks(
     side_a: &Matchable,
     side_b: &Matchable,
     pairs: &[[u32; 2]],
-) -> Result<Option<(Array2<f64>, Array2<f64>)>, OptionError> {
+) -> Result<Option<Functions>, OptionError> {
     if pairs.is_empty() {
         return Ok(None);
     }

@@ -79,10 +79,15 @@ impl<'a> Progress<'a> {
         std::mem::take(&mut self.seconds)
     }
 
+    /// Counts time that a stage took elsewhere.
+    pub fn add_seconds(&mut self, stage: Stage, seconds: f64) {
+        *self.seconds.entry(stage.name().to_owned()).or_default() += seconds;
+    }
+
     fn lap(&mut self, next: Option<Stage>) {
         let now = Instant::now();
         if let Some((stage, since)) = self.running {
-            *self.seconds.entry(stage.name().to_owned()).or_default() += (now - since).as_secs_f64();
+            self.add_seconds(stage, (now - since).as_secs_f64());
         }
         self.running = next.map(|stage| (stage, now));
     }

@@ -16,7 +16,7 @@ export function sourceOf(input: ShapeInput, { name, format }: ReadOptions): Sour
   }
   const { positions, faces, labels, ...rest } = input;
   nothingElse('the scan', rest, ['positions', 'faces', 'labels']);
-  return { from: 'arrays', positions: coordinates(positions), faces: indices('faces', faces), labels: indices('labels', labels) };
+  return { from: 'arrays', positions: coordinates(positions), faces: indices('faces', faces), labels: indices('labels', labels), name };
 }
 
 /** A private copy of a Laplacian's arrays. */

@@ -10,6 +10,7 @@ export type Source =
       positions: Float64Array<ArrayBuffer>;
       faces: Uint32Array<ArrayBuffer> | undefined;
       labels: Uint32Array<ArrayBuffer> | undefined;
+      name: ReadOptions['name'];
     };
 
 /** The block of a prepared shape: its owner keeps it, the worker gets a copy. */

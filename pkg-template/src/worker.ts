@@ -65,7 +65,7 @@ async function answerTo(call: Call, progress: Progress): Promise<Answer> {
 }
 
 async function read(source: Source): Promise<raw.RawShape> {
-  if (source.from === 'arrays') return raw.read_arrays(source.positions, source.faces, source.labels);
+  if (source.from === 'arrays') return raw.read_arrays(source.positions, source.faces, source.labels, source.name);
   const bytes = source.file instanceof Blob ? await bytesOf(source.file) : source.file;
   return raw.read_file(bytes, source.name, source.format);
 }

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::{LaplacianKind, Match, PrepareOptions, PreparedShape, Progress, Shape, prepare, read};
+use crate::{LaplacianKind, Match, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
 
 /// Which point of one deformable 3D scan is which point of the other.
 #[derive(Parser)]
@@ -82,9 +82,10 @@ fn read_scan(path: &Path) -> Result<Shape, Failure> {
 
 fn prepare_scan(path: &Path, preparing: &Preparing) -> Result<PreparedShape, Failure> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let mut progress = Progress::silent();
+    progress.at(Stage::Read, 0.0)?;
     let shape = read_scan(path)?;
-    Ok(prepare(shape, name, &preparing.options(), &mut Progress::silent())
-        .map_err(|e| format!("{}: {e}", path.display()))?)
+    Ok(prepare(shape, name, &preparing.options(), &mut progress).map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
 fn write(path: &Path, contents: &str) -> Result<(), Failure> {

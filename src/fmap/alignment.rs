@@ -44,17 +44,15 @@ pub(super) fn axis_rotations() -> Vec<Rotation> {
 
 /// The rotation that brings the rows of `from` nearest to those of `to` (n, 3), after centring both, and the root mean square
 /// distance that is left (Kabsch 1976).
-pub(super) fn best_rotation(from: ArrayView2<f32>, to: ArrayView2<f32>) -> (Rotation, f64) {
+pub(super) fn best_rotation(from: ArrayView2<f64>, to: ArrayView2<f64>) -> (Rotation, f64) {
     let n = from.nrows().max(1) as f64;
-    let mean = |x: ArrayView2<f32>| -> [f64; 3] {
-        std::array::from_fn(|c| x.column(c).iter().map(|&v| f64::from(v)).sum::<f64>() / n)
-    };
+    let mean = |x: ArrayView2<f64>| -> [f64; 3] { std::array::from_fn(|c| x.column(c).sum() / n) };
     let (mean_from, mean_to) = (mean(from), mean(to));
     let mut correlation = Mat::<f64>::zeros(3, 3);
     let mut total = 0.0;
     for (p, q) in from.rows().into_iter().zip(to.rows()) {
-        let p: [f64; 3] = std::array::from_fn(|c| f64::from(p[c]) - mean_from[c]);
-        let q: [f64; 3] = std::array::from_fn(|c| f64::from(q[c]) - mean_to[c]);
+        let p: [f64; 3] = std::array::from_fn(|c| p[c] - mean_from[c]);
+        let q: [f64; 3] = std::array::from_fn(|c| q[c] - mean_to[c]);
         total += dot(p, p) + dot(q, q);
         for i in 0..3 {
             for j in 0..3 {

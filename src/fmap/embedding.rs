@@ -36,9 +36,4 @@ impl Matchable {
         }
         phi
     }
-
-    /// Positions at the given rows: (rows, 3).
-    pub(super) fn points_at(&self, rows: &[u32]) -> Array2<f32> {
-        Array2::from_shape_fn((rows.len(), 3), |(r, c)| self.points[(rows[r] as usize, c)] as f32)
-    }
 }

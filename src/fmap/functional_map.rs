@@ -81,3 +81,10 @@ pub(super) fn least_squares(gram: ArrayView2<f32>, right: ArrayView2<f32>) -> Ar
         Err(_) => Array2::zeros((k, m)),
     }
 }
+
+/// Functions (rows, m) as seen through the columns of Φ (rows, k).
+pub(super) fn smoothed(phi: ArrayView2<f32>, functions: ArrayView2<f64>) -> Array2<f64> {
+    let functions = functions.mapv(|v| v as f32);
+    let coefficients = least_squares(phi.t().dot(&phi).view(), phi.t().dot(&functions).view());
+    phi.mapv(f64::from).dot(&coefficients)
+}

@@ -3,12 +3,20 @@
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 
 use super::alignment::{Rotation, axis_rotations, best_rotation, compose, inverse, principal_axes, rotate};
-use super::refine::{MapPair, joint_nearest};
+use super::chirality::{chirality, outward_normals};
+use super::functional_map::smoothed;
+use super::refine::{MapPair, joint_nearest, maps_of_match};
 use super::{FunctionalMap, Matchable};
 use crate::device::Device;
 
-/// Basis size of the trial maps and points that judge them: enough to tell one limb from another.
-const TRIAL: (usize, usize) = (30, 600);
+/// Points that candidate maps are judged on: enough to tell one limb from another.
+const TRIAL_POINTS: usize = 600;
+/// Basis size of the first, rough look at every candidate.
+const TRIAL_BASIS: usize = 30;
+/// Candidates that get a map of full size.
+const FINALISTS: usize = 8;
+/// Rounds of matching and fitting that a finalist may settle in.
+const FINAL_ROUNDS: usize = 4;
 /// Basis size of the first maps. Refinement must not start below (an exact map at k = 30 ends worse than a fair one at 50).
 const FIRST: usize = 50;
 /// Wavelengths of the position encoding, in √area: from longer than a body to a limb's length.
@@ -48,27 +56,89 @@ pub async fn initial_maps<D: Device>(
 
     let axes = |m: &Matchable| principal_axes(m.points.view(), m.basis.mass.iter().copied());
     let (axes_a, axes_b) = (axes(a), axes(b));
-    let k = TRIAL.0.min(a.basis.k()).min(b.basis.k());
-    let rows = |m: &Matchable| m.coarse[..TRIAL.1.min(m.coarse.len())].to_vec();
-    let (rows_a, rows_b) = (rows(a), rows(b));
-    let (points_a, points_b) = (a.points_at(&rows_a), b.points_at(&rows_b));
-    let (phi_a, phi_b) = (device.upload(a.phi_at(&rows_a, k).view()), device.upload(b.phi_at(&rows_b, k).view()));
-    let mut best: Option<(f64, Rotation)> = None;
+    let k = FIRST.min(a.basis.k()).min(b.basis.k());
+    let trial = Trial::new(device, a, b, k);
+    let mut tried = Vec::new();
     for turn in axis_rotations() {
         let rotation = compose(&inverse(&axes_a), &compose(&turn, &axes_b));
-        let maps = solve(k, &rotation);
-        let (to_b, to_a) = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]]);
-        let (to_b, to_a) = (device.download_indices(&to_b).await, device.download_indices(&to_a).await);
-        let from = concatenate(Axis(0), &[points_b.select(Axis(0), &wide(&to_b)).view(), points_b.view()]);
-        let to = concatenate(Axis(0), &[points_a.view(), points_a.select(Axis(0), &wide(&to_a)).view()]);
-        let (from, to) = (from.expect("three columns"), to.expect("three columns"));
-        let (rotation, residual) = best_rotation(from.view(), to.view());
-        if best.is_none_or(|(least, _)| residual < least) {
-            best = Some((residual, rotation));
+        let small = TRIAL_BASIS.min(k);
+        tried.push(trial.judge(device, solve(small, &rotation), small, 0).await);
+    }
+    // The most rotation-like few are worth a real map each.
+    tried.sort_by(|x, y| x.residual.total_cmp(&y.residual));
+    let mut best: Option<Verdict> = None;
+    for first in tried.into_iter().take(FINALISTS) {
+        let verdict = trial.judge(device, solve(k, &first.rotation), k, FINAL_ROUNDS).await;
+        if best.as_ref().is_none_or(|best| verdict.badness() < best.badness()) {
+            best = Some(verdict);
         }
     }
-    let rotation = best.map_or(compose(&inverse(&axes_a), &axes_b), |(_, rotation)| rotation);
-    (solve(FIRST.min(a.basis.k()).min(b.basis.k()), &rotation), rotation)
+    let best = best.expect("there are always 24 candidates");
+    (best.maps, best.rotation)
+}
+
+/// The coarsest points of both bodies, on which candidate maps are compared.
+struct Trial<T> {
+    points: [Array2<f64>; 2],
+    normals: [Array2<f64>; 2],
+    phi_a: Array2<f32>,
+    on_device: [T; 2],
+}
+
+/// What a candidate map implies.
+struct Verdict {
+    /// The maps, as far as they have settled.
+    maps: MapPair,
+    /// The rotation of B onto A nearest to it.
+    rotation: Rotation,
+    /// Root mean square distance that the rotation leaves, in √area.
+    residual: f64,
+    /// Whether it keeps the outside out.
+    chirality: f64,
+}
+
+impl Verdict {
+    /// The residual alone would prefer a body seen from behind where its limbs happen to lie better.
+    fn badness(&self) -> f64 {
+        self.residual * (1.0 - self.chirality)
+    }
+}
+
+impl<T> Trial<T> {
+    fn new<D: Device<Tensor = T>>(device: &D, a: &Matchable, b: &Matchable, k: usize) -> Self {
+        let rows = |m: &Matchable| m.coarse[..TRIAL_POINTS.min(m.coarse.len())].to_vec();
+        let at = |m: &Matchable, rows: &[u32]| m.points.select(Axis(0), &wide(rows));
+        let (rows_a, rows_b) = (rows(a), rows(b));
+        let points = [at(a, &rows_a), at(b, &rows_b)];
+        let normals = |m: &Matchable, points: &Array2<f64>| outward_normals(at(m, &m.coarse).view(), points.view());
+        let normals = [normals(a, &points[0]), normals(b, &points[1])];
+        let phi_a = a.phi_at(&rows_a, k);
+        let on_device = [device.upload(phi_a.view()), device.upload(b.phi_at(&rows_b, k).view())];
+        Self { points, normals, phi_a, on_device }
+    }
+
+    /// Judges maps of size k after some rounds of matching and fitting again.
+    async fn judge<D: Device<Tensor = T>>(&self, device: &D, mut maps: MapPair, k: usize, rounds: usize) -> Verdict {
+        let [phi_a, phi_b] = [0, 1].map(|side| device.leading_columns(&self.on_device[side], k));
+        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]]);
+        for _ in 0..rounds {
+            maps = maps_of_match(device, [&phi_a, &phi_b], &there_and_back).await;
+            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]]);
+        }
+        let to_b = wide(&device.download_indices(&there_and_back.0).await);
+        let to_a = wide(&device.download_indices(&there_and_back.1).await);
+        let [points_a, points_b] = &self.points;
+        let images = points_b.select(Axis(0), &to_b);
+        let stack =
+            |x: &Array2<f64>, y: &Array2<f64>| concatenate(Axis(0), &[x.view(), y.view()]).expect("three columns");
+        let from = stack(&images, points_b);
+        let to = stack(points_a, &points_a.select(Axis(0), &to_a));
+        let (rotation, residual) = best_rotation(from.view(), to.view());
+        let smooth = smoothed(self.phi_a.slice(s![.., ..k]), images.view());
+        let image_normals = self.normals[1].select(Axis(0), &to_b);
+        let chirality = chirality(points_a.view(), self.normals[0].view(), smooth.view(), image_normals.view());
+        Verdict { maps, rotation, residual, chirality }
+    }
 }
 
 fn wide(indices: &[u32]) -> Vec<usize> {

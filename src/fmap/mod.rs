@@ -4,6 +4,7 @@
 //! other way, from points of B to points of A. To send points of A to B one needs C_ba. All names here say which is which.
 
 mod alignment;
+mod chirality;
 mod correspondence;
 mod embedding;
 mod functional_map;

@@ -40,7 +40,7 @@ const COARSE: usize = 2000;
 /// Growth of the basis per ZoomOut iteration.
 const STEP: usize = 10;
 /// Rounds with coordinates.
-const ROUNDS: usize = 10;
+const ROUNDS: usize = 6;
 /// Weight of coordinates (in √area) and of part labels against the spectral embedding, whose columns are divided by √k.
 const BESIDE_WEIGHT: f32 = 16.0;
 
@@ -178,7 +178,7 @@ pub(super) fn joint_nearest<D: Device>(
 }
 
 /// The functional maps of a match both ways, by least squares over the rows at hand: C_ba = Φ_A⁺ Φ_B[to_b], C_ab = Φ_B⁺ Φ_A[to_a].
-async fn maps_of_match<D: Device>(
+pub(super) async fn maps_of_match<D: Device>(
     device: &D,
     [phi_a, phi_b]: [&D::Tensor; 2],
     (to_b, to_a): &(D::Indices, D::Indices),

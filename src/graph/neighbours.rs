@@ -20,7 +20,7 @@ impl Neighbours {
 
     /// Number of points.
     pub fn len(&self) -> usize {
-        if self.k == 0 { 0 } else { self.indices.len() / self.k }
+        self.indices.len().checked_div(self.k).unwrap_or(0)
     }
 
     /// True when there are no neighbours at all.
@@ -62,7 +62,7 @@ pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbours {
     for (i, point) in points.iter().enumerate() {
         let found = tree.query(point).nearest_n::<SquaredEuclidean<f64>>(with_self).execute();
         row.clear();
-        row.extend(found.iter().map(|item| (item.distance, item.item as u32)).filter(|&(_, j)| j as usize != i));
+        row.extend(found.iter().map(|item| (item.distance, item.item)).filter(|&(_, j)| j as usize != i));
         row.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // Among more than k copies of one point the tree may return only other copies.
         row.truncate(k);

@@ -55,7 +55,7 @@ pub fn gaussian_laplacian(
         density[i as usize] += w;
         density[j as usize] += w;
     }
-    let mass = cloud_mass(neighbours);
+    let mass = cloud_mass(points, neighbours);
     let normalised =
         || graph.edges().map(|(i, j, d)| (i, j, kernel(i, j, d) / (density[i as usize] * density[j as usize])));
     let energy: f64 = normalised().map(|(i, j, w)| w * squared_distance(points[i as usize], points[j as usize])).sum();

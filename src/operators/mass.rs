@@ -1,36 +1,93 @@
 //! How much surface each point of a cloud stands for.
 
-use std::f64::consts::PI;
-
+use super::frames::tangent_frame;
 use crate::graph::Neighbours;
 
-/// Neighbours whose discs tell the total area. Fewer are too regular, more reach across thin limbs.
-const NEAR: std::ops::RangeInclusive<usize> = 3..=8;
+/// Neighbours that span the tangent plane and may cut a cell.
+const AROUND: usize = 12;
+/// A neighbour whose distance is more than this part out of the tangent plane lies on another sheet (the other side of a finger) and cuts no cell.
+const OUT_OF_PLANE: f64 = 0.6;
+/// Corners of the polygon that a cell is cut from.
+const CORNERS: usize = 12;
 
-/// Area per point (n) in unit², from discs around it.
+/// Area per point (n) in unit²: Voronoi cells in tangent planes, evened out over each neighbourhood.
 ///
-/// How the area is shared follows the disc out to the k-th of all neighbours, which is smooth. How much there is in all follows the growth of πr² per
-/// neighbour among the nearest few: the slope is the area per point whether points are scattered at random (πr_k² ≈ k areas) or
-/// evenly (k + ½ areas), and stays clear of the other side of thin limbs. Of the true area of bodies of 5000 points this finds
-/// 97 to 103 %; discs out to the 20th neighbour alone find 87 to 95 %.
-pub fn cloud_mass(neighbours: &Neighbours) -> Vec<f64> {
-    let disc = |i: usize, k: usize| neighbours.distances(i).get(k - 1).map_or(0.0, |r| PI * r * r);
-    let shares: Vec<f64> = (0..neighbours.len()).map(|i| disc(i, neighbours.k().max(1))).collect();
-    let mean = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
-    // A point buried under more than k copies of itself has an empty disc; it still needs some mass to have a spectrum.
-    let shares: Vec<f64> = shares.into_iter().map(|share| share.max(1e-6 * mean)).collect();
-    let total: f64 = (0..neighbours.len()).map(|i| slope(NEAR.map(|k| (k as f64, disc(i, k))))).sum();
-    let scale = total.max(0.0) / shares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-    // Where the nearest discs are all empty (every point many times over) the far ones are what there is.
-    let scale = if scale > 0.0 { scale } else { 1.0 / neighbours.k().max(1) as f64 };
-    shares.into_iter().map(|share| share * scale).collect()
+/// Cells alone give the right total but single cells of a random sample scatter by half of their size; discs out to the k-th neighbour are smooth
+/// but find too little on thin limbs. So each point gets its disc, scaled by what cells and discs of its neighbourhood come to.
+pub fn cloud_mass(points: &[[f64; 3]], neighbours: &Neighbours) -> Vec<f64> {
+    let n = points.len();
+    let mut clipped = Vec::with_capacity(2 * CORNERS);
+    let cells: Vec<f64> = (0..n).map(|i| cell_area(points, neighbours, i, &mut clipped)).collect();
+    let discs: Vec<f64> = (0..n).map(|i| neighbours.distances(i).last().map_or(0.0, |r| r * r)).collect();
+    let around =
+        |i: usize, values: &[f64]| values[i] + neighbours.of(i).iter().map(|&j| values[j as usize]).sum::<f64>();
+    let mut mass: Vec<f64> = (0..n)
+        .map(|i| match around(i, &discs) {
+            0.0 => 0.0,
+            disc => discs[i] * around(i, &cells) / disc,
+        })
+        .collect();
+    let (total, rough): (f64, f64) = (cells.iter().sum(), mass.iter().sum());
+    let scale = if rough > 0.0 { total / rough } else { 0.0 };
+    // A point buried under many copies of itself has an empty cell; it still needs some mass to have a spectrum.
+    let floor = 1e-6 * total / n.max(1) as f64;
+    mass.iter_mut().for_each(|m| *m = (*m * scale).max(floor));
+    mass
 }
 
-/// Slope of the least-squares line through (x, y).
-fn slope(points: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
-    let count = points.clone().count() as f64;
-    let (mean_x, mean_y) = points.clone().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
-    let (covariance, variance) =
-        points.fold((0.0, 0.0), |(c, v), (x, y)| (c + (x - mean_x) * (y - mean_y), v + (x - mean_x).powi(2)));
-    covariance / variance
+/// Area of the Voronoi cell of point `i` among its neighbours, in its tangent plane. Cut from a polygon out to the nearest neighbours, so
+/// that a point at a boundary has a bounded cell.
+fn cell_area(points: &[[f64; 3]], neighbours: &Neighbours, i: usize, clipped: &mut Vec<[f64; 2]>) -> f64 {
+    let near = &neighbours.of(i)[..AROUND.min(neighbours.k())];
+    let frame = tangent_frame(points[i], near.iter().map(|&j| points[j as usize]));
+    let reach = neighbours.distances(i)[..near.len()].get(near.len() / 2).copied().unwrap_or(0.0);
+    let mut cell: Vec<[f64; 2]> = (0..CORNERS)
+        .map(|c| {
+            let angle = std::f64::consts::TAU * c as f64 / CORNERS as f64;
+            [reach * angle.cos(), reach * angle.sin()]
+        })
+        .collect();
+    for (&j, &distance) in near.iter().zip(neighbours.distances(i)) {
+        let offset: [f64; 3] = std::array::from_fn(|c| points[j as usize][c] - points[i][c]);
+        let along = |axis: [f64; 3]| (0..3).map(|c| axis[c] * offset[c]).sum::<f64>();
+        if distance == 0.0 || along(frame.normal).abs() > OUT_OF_PLANE * distance {
+            continue;
+        }
+        // Rolled out to its full distance, so that curvature does not shorten it.
+        let flat = [along(frame.tangents[0]), along(frame.tangents[1])];
+        let stretch = distance / flat[0].hypot(flat[1]);
+        let site = flat.map(|v| v * stretch);
+        clip(&mut cell, clipped, site);
+    }
+    let doubled: f64 = (0..cell.len())
+        .map(|c| {
+            let (p, q) = (cell[c], cell[(c + 1) % cell.len()]);
+            p[0] * q[1] - p[1] * q[0]
+        })
+        .sum();
+    0.5 * doubled / copies(neighbours, i)
+}
+
+/// Points that share this point's position, itself included: they share its cell.
+fn copies(neighbours: &Neighbours, i: usize) -> f64 {
+    1.0 + neighbours.distances(i).iter().take_while(|&&d| d == 0.0).count() as f64
+}
+
+/// Keeps the part of a convex polygon that is nearer to the origin than to `site` (Sutherland & Hodgman).
+fn clip(cell: &mut Vec<[f64; 2]>, clipped: &mut Vec<[f64; 2]>, site: [f64; 2]) {
+    let half = 0.5 * (site[0] * site[0] + site[1] * site[1]);
+    let beyond = |p: [f64; 2]| p[0] * site[0] + p[1] * site[1] - half;
+    clipped.clear();
+    for c in 0..cell.len() {
+        let (p, q) = (cell[c], cell[(c + 1) % cell.len()]);
+        let (d_p, d_q) = (beyond(p), beyond(q));
+        if d_p <= 0.0 {
+            clipped.push(p);
+        }
+        if (d_p < 0.0 && d_q > 0.0) || (d_p > 0.0 && d_q < 0.0) {
+            let t = d_p / (d_p - d_q);
+            clipped.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+        }
+    }
+    std::mem::swap(cell, clipped);
 }

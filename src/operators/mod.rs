@@ -1,6 +1,7 @@
 //! Laplacians and mass: for meshes by cotangents, for clouds by Algorithm 1 of the paper.
 
 mod cotangent;
+mod frames;
 mod geodesic;
 mod intrinsic;
 mod laplacian;

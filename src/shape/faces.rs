@@ -3,6 +3,7 @@
 use super::error::ShapeError;
 use super::repair::{Repair, counted};
 use super::spread::{cross, minus, norm};
+use crate::graph::components;
 
 /// Refuses a face that names a missing point.
 pub(super) fn check_indices(faces: &[[u32; 3]], points: usize) -> Result<(), ShapeError> {
@@ -44,19 +45,29 @@ fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
     edge > 0.0 && norm(cross(u, v)) / edge > 4.0 * f64::EPSILON * reach
 }
 
-/// Reports, and keeps, what is odd about a mesh as a whole: points without a face, edges with more than two faces, neighbours
-/// that disagree about the outside, several pieces.
+/// Reports, and keeps, points of a mesh that belong to no face.
+pub(super) fn notice_bare_points(points: usize, faces: &[[u32; 3]], repairs: &mut Vec<Repair>) {
+    if faces.is_empty() {
+        return;
+    }
+    let unreferenced = used(points, faces).into_iter().filter(|used| !used).count();
+    repairs.extend(Repair::counted("unreferenced-points", unreferenced, || {
+        format!("{} to no face; kept as they are", counted(unreferenced, "point belongs", "points belong"))
+    }));
+}
+
+fn used(points: usize, faces: &[[u32; 3]]) -> Vec<bool> {
+    let mut used = vec![false; points];
+    faces.iter().flatten().for_each(|&i| used[i as usize] = true);
+    used
+}
+
+/// Reports, and keeps, what is odd about a mesh as a whole: edges with more than two faces, neighbours that disagree about the outside, several
+/// pieces.
 pub(super) fn notice_topology(points: usize, faces: &[[u32; 3]], repairs: &mut Vec<Repair>) {
     if faces.is_empty() {
         return;
     }
-    let mut used = vec![false; points];
-    faces.iter().flatten().for_each(|&i| used[i as usize] = true);
-    let unreferenced = used.iter().filter(|u| !**u).count();
-    repairs.extend(Repair::counted("unreferenced-points", unreferenced, || {
-        format!("{} to no face; kept as they are", counted(unreferenced, "point belongs", "points belong"))
-    }));
-
     let (crowded, disagreeing) = odd_edges(faces);
     repairs.extend(Repair::counted("non-manifold-edges", crowded, || {
         format!("{} by more than two faces; kept as they are", counted(crowded, "edge is shared", "edges are shared"))
@@ -68,7 +79,7 @@ pub(super) fn notice_topology(points: usize, faces: &[[u32; 3]], repairs: &mut V
         )
     }));
 
-    let pieces = pieces(points, faces, &used);
+    let pieces = pieces(points, faces);
     repairs.extend(Repair::counted("separate-pieces", if pieces > 1 { pieces } else { 0 }, || {
         format!("the mesh consists of {pieces} pieces that share no point")
     }));
@@ -96,25 +107,9 @@ fn odd_edges(faces: &[[u32; 3]]) -> (usize, usize) {
     (crowded, disagreeing)
 }
 
-/// Connected components of the points in use, by union-find with path halving.
-fn pieces(points: usize, faces: &[[u32; 3]], used: &[bool]) -> usize {
-    let mut parent: Vec<u32> = (0..points as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
-    let mut pieces = used.iter().filter(|u| **u).count();
-    for &[a, b, c] in faces {
-        for other in [b, c] {
-            let (x, y) = (root(&mut parent, a), root(&mut parent, other));
-            if x != y {
-                parent[x.max(y) as usize] = x.min(y);
-                pieces -= 1;
-            }
-        }
-    }
-    pieces
+/// Connected components of the points in use.
+fn pieces(points: usize, faces: &[[u32; 3]]) -> usize {
+    let edges = faces.iter().flat_map(|&[a, b, c]| [(a, b), (a, c)]);
+    let (_, components) = components(points, edges);
+    components - used(points, faces).into_iter().filter(|used| !used).count()
 }

@@ -76,13 +76,13 @@ impl Shape {
         faces::drop_degenerate(&points, &mut faces, &mut repairs);
         let duplicates = duplicates(&points);
         repairs.extend(Repair::counted("duplicate-points", duplicates, || {
-            format!(
-                "{} exactly where another one is; kept as they are",
-                counted(duplicates, "point lies", "points lie")
-            )
+            let met = if faces.is_empty() { "kept as they are" } else { "kept, and the faces there taken as joined" };
+            format!("{} exactly where another one is; {met}", counted(duplicates, "point lies", "points lie"))
         }));
-        faces::notice_topology(points.len(), &faces, &mut repairs);
-        Ok(Self { points, faces, labels, repairs })
+        let shape = Self { points, faces, labels, repairs: Vec::new() };
+        faces::notice_bare_points(shape.points.len(), &shape.faces, &mut repairs);
+        faces::notice_topology(shape.points.len(), shape.welded().faces(), &mut repairs);
+        Ok(Self { repairs, ..shape })
     }
 
     /// Positions (n, 3) in the unit of the upload.
@@ -108,6 +108,21 @@ impl Shape {
     /// The given points as a cloud of their own.
     pub(crate) fn at(&self, samples: &[u32]) -> Result<Self, ShapeError> {
         Self::new(samples.iter().map(|&i| self.points[i as usize]).collect(), Vec::new(), None)
+    }
+
+    /// The same surface with faces that meet wherever their corners lie at exactly one place, as the split vertices at the seams of textured
+    /// meshes and of triangle soup do: every corner becomes the first point at its place. Points stay as they are.
+    pub(crate) fn welded(&self) -> Self {
+        let mut order: Vec<u32> = (0..self.points.len() as u32).collect();
+        let key = |i: u32| self.points[i as usize].map(|c| (c + 0.0).to_bits());
+        order.sort_unstable_by_key(|&i| (key(i), i));
+        let mut first = vec![0; self.points.len()];
+        for place in order.chunk_by(|&i, &j| key(i) == key(j)) {
+            place.iter().for_each(|&i| first[i as usize] = place[0]);
+        }
+        let mut faces: Vec<[u32; 3]> = self.faces.iter().map(|face| face.map(|i| first[i as usize])).collect();
+        faces.retain(|[a, b, c]| a != b && b != c && c != a);
+        Self { faces, ..self.clone() }
     }
 
     /// From tables that came out of a valid shape.

@@ -1,7 +1,5 @@
 //! Farthest-point sampling, and the way back from the samples to every point.
 
-use std::num::NonZero;
-
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 /// `count` of the points `allowed`, each as far as possible from those before it (Gonzalez 1985), starting farthest from their centroid.
@@ -51,18 +49,7 @@ pub fn nearest_samples(points: &[[f64; 3]], samples: &[u32]) -> Vec<u32> {
     let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&positions) else {
         return vec![0; points.len()];
     };
-    let one = NonZero::<usize>::MIN;
-    points
-        .iter()
-        .map(|point| {
-            tree.query(point)
-                .nearest_n::<SquaredEuclidean<f64>>(one)
-                .execute()
-                .iter()
-                .next()
-                .map_or(0, |item| item.item as u32)
-        })
-        .collect()
+    points.iter().map(|point| tree.query(point).nearest_one::<SquaredEuclidean<f64>>().execute().item).collect()
 }
 
 fn squared_distance(p: [f64; 3], q: [f64; 3]) -> f64 {

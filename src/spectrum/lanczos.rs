@@ -115,12 +115,15 @@ impl<A: FnMut(MatMut<'_, f64>)> Lanczos<A> {
             let scale = column.norm_l2();
             // Only within the block and against what rounding left: the candidate was orthogonal to the rest before.
             let mut left = orthogonalise(column.rb_mut(), done);
-            while !(left > 1e-13 * scale) || left < 1e-280 {
-                column.rb_mut().iter_mut().for_each(|x| *x = self.random.next());
-                left = orthogonalise(column.rb_mut(), done);
-                if left > 1e-8 {
+            let mut enough = (1e-13 * scale).max(f64::MIN_POSITIVE);
+            // A random vector is dependent on the others with probability zero, so the second try is the last but for a broken operator.
+            for _ in 0..4 {
+                if left > enough {
                     break;
                 }
+                column.rb_mut().iter_mut().for_each(|x| *x = self.random.next());
+                left = orthogonalise(column.rb_mut(), done);
+                enough = 1e-8;
             }
             let inverse = 1.0 / left;
             column.rb_mut().iter_mut().for_each(|x| *x *= inverse);

@@ -169,6 +169,9 @@ fn active_points(matrix: &CsMat<f64>, mass: &[f64]) -> Result<Vec<usize>, Spectr
     }
     let mut active = Vec::with_capacity(mass.len());
     for (index, row) in matrix.outer_iterator().enumerate() {
+        if let Some((j, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
+            return Err(SpectrumError::InvalidMatrix { reason: format!("entry ({index}, {j}) is {value}") });
+        }
         let empty = row.iter().all(|(_, &value)| value == 0.0);
         let mass = mass[index];
         match mass {
@@ -349,12 +352,15 @@ fn finish(
         column.iter_mut().zip(root_mass).for_each(|(y, root)| *y /= root);
     }
     make_canonical(vectors.as_mut(), mass);
-    let largest = values.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+    // With more pieces than eigenpairs all eigenvalues are zero; rounding is then measured against the mean of the whole spectrum.
+    let mean =
+        matrix.diag_iter().zip(mass).map(|(d, m)| d.copied().unwrap_or(0.0) / m).sum::<f64>() / mass.len() as f64;
+    let largest = values.last().copied().unwrap_or(0.0).max(1e-6 * mean);
     let residuals: Vec<f64> =
         (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
     report.residual = residuals.iter().copied().fold(0.0, f64::max);
-    // Written so that NaN fails too. With all eigenvalues zero there is nothing to be relative to.
-    if !(report.residual <= RESIDUAL) && largest > f64::MIN_POSITIVE {
+    // Written so that NaN fails too, which the maximum passes over. A matrix of zeros has no residual at all.
+    if !residuals.iter().all(|&r| r <= RESIDUAL) && mean != 0.0 {
         let converged = residuals.iter().filter(|&&r| r <= RESIDUAL).count();
         return Err(SpectrumError::NotConverged { converged, wanted: values.len(), residual: report.residual });
     }

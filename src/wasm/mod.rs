@@ -7,11 +7,12 @@ mod convert;
 
 use js_sys::Function;
 use wasm_bindgen::prelude::*;
+use web_time::Instant;
 
 use crate::error::Error;
 use crate::options::{MatchOptions, OptionError, PrepareOptions};
 use crate::prepared::PreparedShape;
-use crate::progress::Progress;
+use crate::progress::{Progress, Stage};
 use crate::read::Format;
 use crate::shape::Shape;
 use crate::{Cpu, operators, pipeline, spectrum as spectra};
@@ -29,14 +30,23 @@ fn start() {
 pub struct RawShape {
     shape: Shape,
     name: Option<String>,
+    /// Time that reading took.
+    seconds: f64,
+}
+
+impl RawShape {
+    fn timed(name: Option<String>, read: impl FnOnce() -> Result<Shape, Error>) -> Result<Self, JsValue> {
+        let start = Instant::now();
+        let shape = read().map_err(throw)?;
+        Ok(Self { shape, name, seconds: start.elapsed().as_secs_f64() })
+    }
 }
 
 /// Reads a file's bytes. `format` is an extension's name where the bytes do not tell.
 #[wasm_bindgen]
 pub fn read_file(bytes: &[u8], name: Option<String>, format: Option<String>) -> Result<RawShape, JsValue> {
     let format: Option<Format> = format.map(|f| f.parse()).transpose().map_err(|e| throw(Error::Read(e)))?;
-    let shape = crate::read::read(bytes, name.as_deref(), format).map_err(throw)?;
-    Ok(RawShape { shape, name })
+    RawShape::timed(name.clone(), || crate::read::read(bytes, name.as_deref(), format))
 }
 
 /// A scan from arrays: positions (3n), faces (3m), labels (n).
@@ -48,16 +58,17 @@ pub fn read_arrays(
     name: Option<String>,
 ) -> Result<RawShape, JsValue> {
     let faces = faces.unwrap_or_default();
-    let shape = Shape::from_arrays(positions, &faces, labels.as_deref()).map_err(|e| throw(e.into()))?;
-    Ok(RawShape { shape, name })
+    RawShape::timed(name, || Ok(Shape::from_arrays(positions, &faces, labels.as_deref())?))
 }
 
 /// Consumes the scan and returns the prepared block.
 #[wasm_bindgen]
 pub fn prepare(shape: RawShape, options_given: JsValue, listener: &Function) -> Result<Vec<u8>, JsValue> {
     let options: PrepareOptions = options(&options_given)?;
-    let RawShape { shape, name } = shape;
-    let prepared = pipeline::prepare(shape, name, &options, &mut progress(listener)).map_err(throw)?;
+    let RawShape { shape, name, seconds } = shape;
+    let mut progress = progress(listener);
+    progress.add_seconds(Stage::Read, seconds);
+    let prepared = pipeline::prepare(shape, name, &options, &mut progress).map_err(throw)?;
     prepared.to_bytes().map_err(|e| throw(e.into()))
 }
 

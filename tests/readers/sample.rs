@@ -30,7 +30,7 @@ pub fn torus() -> Sample {
 }
 
 pub fn parse(bytes: impl AsRef<[u8]>, name: &str) -> Result<Shape, Error> {
-    read::read(bytes.as_ref(), Some(name), None)
+    read(bytes.as_ref(), Some(name), None)
 }
 
 /// Exactly the torus, and nothing to say about it.

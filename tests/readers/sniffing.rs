@@ -1,4 +1,4 @@
-use geose_fmap::read::{Format, read};
+use geose_fmap::{Format, read};
 
 use crate::sample::{all_formats, assert_is_torus, off, parse, refused, torus};
 
