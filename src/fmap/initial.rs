@@ -71,6 +71,7 @@ pub async fn initial_maps<D: Device>(
     let mut best: Option<Verdict> = None;
     for first in tried.into_iter().take(FINALISTS) {
         let verdict = trial.judge(device, solve(k, &first.rotation), k, FINAL_ROUNDS).await;
+        if std::env::var("H").is_ok() { println!("first {:.3}  residual {:.4} chirality {:.3} mismatch {:.4} badness {:.5}", first.residual, verdict.residual, verdict.chirality, verdict.mismatch, verdict.badness()); }
         if best.as_ref().is_none_or(|best| verdict.badness() < best.badness()) {
             best = Some(verdict);
         }
@@ -83,6 +84,7 @@ pub async fn initial_maps<D: Device>(
 struct Trial<T> {
     points: [Array2<f64>; 2],
     normals: [Array2<f64>; 2],
+    features: [Array2<f32>; 2],
     phi_a: Array2<f32>,
     on_device: [T; 2],
 }
@@ -97,12 +99,15 @@ struct Verdict {
     residual: f64,
     /// Whether it keeps the outside out.
     chirality: f64,
+    /// Mean squared difference of the invariant descriptors, each of variance 1: 2 for a map that knows nothing.
+    mismatch: f64,
 }
 
 impl Verdict {
-    /// The residual alone would prefer a body seen from behind where its limbs happen to lie better.
+    /// The residual alone would prefer a body seen from behind where its limbs happen to lie better; with chirality alone a body may still stand on its
+    /// head, and only descriptors tell arms from legs.
     fn badness(&self) -> f64 {
-        self.residual * (1.0 - self.chirality)
+        self.residual * (1.0 - self.chirality) * self.mismatch
     }
 }
 
@@ -114,9 +119,10 @@ impl<T> Trial<T> {
         let points = [at(a, &rows_a), at(b, &rows_b)];
         let normals = |m: &Matchable, points: &Array2<f64>| outward_normals(at(m, &m.coarse).view(), points.view());
         let normals = [normals(a, &points[0]), normals(b, &points[1])];
+        let features = [a.features.select(Axis(0), &wide(&rows_a)), b.features.select(Axis(0), &wide(&rows_b))];
         let phi_a = a.phi_at(&rows_a, k);
         let on_device = [device.upload(phi_a.view()), device.upload(b.phi_at(&rows_b, k).view())];
-        Self { points, normals, phi_a, on_device }
+        Self { points, normals, features, phi_a, on_device }
     }
 
     /// Judges maps of size k after some rounds of matching and fitting again.
@@ -139,7 +145,9 @@ impl<T> Trial<T> {
         let smooth = smoothed(self.phi_a.slice(s![.., ..k]), images.view());
         let image_normals = self.normals[1].select(Axis(0), &to_b);
         let chirality = chirality(points_a.view(), self.normals[0].view(), smooth.view(), image_normals.view());
-        Verdict { maps, rotation, residual, chirality }
+        let differences = &self.features[0] - &self.features[1].select(Axis(0), &to_b);
+        let mismatch = differences.iter().map(|&d| f64::from(d * d)).sum::<f64>() / differences.len().max(1) as f64;
+        Verdict { maps, rotation, residual, chirality, mismatch }
     }
 }
 
