@@ -123,7 +123,7 @@ fn two_sample_bodies_match_through_the_bindings_with_every_stage_told() {
 #[wasm_bindgen_test]
 fn an_error_is_a_plain_object_with_a_code_a_sentence_and_numbers() {
     let silent = Function::new_no_args("");
-    let small = || wasm::read_arrays(icosphere(1).points.as_flattened(), None, None, None);
+    let small = || wasm::read_arrays(icosphere(2).points.as_flattened(), None, None, None);
     let ready = |options: &str| small().and_then(|scan| wasm::prepare(scan, JSON::parse(options)?, &silent));
     let failures = [
         ("too-few-points", wasm::read_arrays(&[0.0; 30], None, None, None).err()),
