@@ -7,7 +7,7 @@ mod shapes;
 use std::f64::consts::{PI, TAU};
 
 use geose_fmap::{LaplacianKind, Progress, SpectralBasis, SpectrumError, SpectrumReport, Stage, spectrum};
-use shapes::{Random, blob, body, dense, fibonacci_sphere, icosphere, laplacian};
+use shapes::{Random, blob, body, dense, fibonacci_sphere, icosphere, laplacian, sheet};
 use sprs::{CsMat, TriMat};
 
 /// L and M with every eigenvalue known.
@@ -119,7 +119,7 @@ fn assert_pairs(matrix: &CsMat<f64>, mass: &[f64], basis: &SpectralBasis) {
     }
     // Where only zeros are asked for, against the size of the operator.
     let mean = matrix.diag_iter().zip(mass).map(|(d, m)| d.map_or(0.0, |d| d / m.max(f64::MIN_POSITIVE))).sum::<f64>();
-    let largest = lambda[lambda.len() - 1].max(1e-9 * mean / mass.len() as f64);
+    let largest = lambda[lambda.len() - 1].max(1e-8 * mean / mass.len() as f64);
     for c in 0..basis.k() {
         let mut residual = vec![0.0; mass.len()];
         matrix.iter().for_each(|(&value, (i, j))| residual[i] += value * phi[(j, c)]);
@@ -190,7 +190,7 @@ fn the_sphere_has_l_times_l_plus_one_two_l_plus_one_times() {
             let degree = (c as f64).sqrt().floor();
             let exact = degree * (degree + 1.0);
             // The triangles' own error grows like λh²: h = 0.07 here. Degrees are 1/l apart, far more.
-            let tolerance = exact * (0.002 + 0.0005 * exact);
+            let tolerance = exact * (0.002 + 0.0005 * exact) + 1e-12;
             assert!((lambda - exact).abs() <= tolerance, "λ_{c} is {lambda}, should be {exact}");
         }
     }
@@ -364,6 +364,20 @@ fn a_long_rod_of_points_has_its_spectrum() {
 }
 
 #[test]
+fn triangles_that_differ_in_size_by_four_orders_of_magnitude_cost_no_accuracy() {
+    for tiny in [1e-2, 1e-3, 1e-4] {
+        let strip = sheet(40, 30).moved(|[x, y, z]| [x, if y < 4.0 { tiny * y } else { y }, z]);
+        let corner = sheet(40, 30).moved(|[x, y, z]| if x.max(y) < 6.0 { [tiny * x, tiny * y, z] } else { [x, y, z] });
+        let needles = sheet(40, 30).moved(|[x, y, z]| [x, tiny * y, z]);
+        for (name, soup) in [("strip", strip), ("corner", corner), ("needles", needles)] {
+            let operator = laplacian(&soup.shape(), LaplacianKind::Cotangent);
+            let (_, report) = solved(&operator.matrix, &operator.mass, 60);
+            assert!(report.restarts <= 3, "{name} of {tiny:e}: {report:?}");
+        }
+    }
+}
+
+#[test]
 fn the_unit_of_the_scan_does_not_matter() {
     for kind in LaplacianKind::ALL {
         let at = |scale: f64| {
@@ -456,6 +470,15 @@ fn matrices_that_are_not_symmetric_are_refused() {
             }
         });
         assert_eq!(refused(&one_sided.to_csr(), &known.mass, 20).code(), "invalid-matrix", "upper triangle");
+    }
+}
+
+#[test]
+fn a_matrix_of_zeros_has_only_zeros() {
+    for n in [60, 500] {
+        let (basis, report) = solved(&CsMat::zero((n, n)), &vec![2.0; n], 20);
+        assert!(basis.eigenvalues.iter().all(|&lambda| lambda == 0.0));
+        assert_eq!(report.pieces, n);
     }
 }
 

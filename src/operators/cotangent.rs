@@ -5,7 +5,7 @@ use super::{Laplacian, LaplacianKind};
 
 /// Cotangent weights and barycentric mass on the intrinsic Delaunay triangulation of the tufted cover.
 ///
-/// Weights are never negative beyond rounding, and non-manifold edges, boundaries and needle triangles need no special
+/// Weights are not below −1e-6, and non-manifold edges, boundaries and needle triangles need no special
 /// case. The cover is two sheets thick, so both matrices are halved. A vertex without faces has an empty row and no mass.
 /// Sharp & Crane 2020; same construction and constants as the robust_laplacian package, which tests compare against.
 pub fn cotangent_laplacian(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Laplacian {

@@ -24,8 +24,9 @@ pub(super) struct TuftedCover {
 
 /// Lengthening of all edges, relative to the mean, that guarantees triangle inequalities (Sharp & Crane 2020, Sec. 4.5).
 const MOLLIFICATION: f64 = 1e-5;
-/// An edge is flipped when its cotangent weight is below this: far under any weight that matters, far over rounding.
-const DELAUNAY_TOLERANCE: f64 = -1e-9;
+/// An edge is flipped when its cotangent weight is below this: far under any weight that matters, and over the rounding of f32 coordinates, so that the
+/// two diagonals of a symmetric quadrilateral are not a toss-up. The value of geometry-central, and so of robust_laplacian.
+const DELAUNAY_TOLERANCE: f64 = -1e-6;
 
 impl TuftedCover {
     pub(super) fn new(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Self {

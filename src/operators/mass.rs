@@ -38,19 +38,21 @@ pub fn cloud_mass(points: &[[f64; 3]], neighbours: &Neighbours) -> Vec<f64> {
 /// Area of the Voronoi cell of point `i` among its neighbours, in its tangent plane. Cut from a polygon out to the nearest neighbours, so
 /// that a point at a boundary has a bounded cell.
 fn cell_area(points: &[[f64; 3]], neighbours: &Neighbours, i: usize, clipped: &mut Vec<[f64; 2]>) -> f64 {
-    let near = &neighbours.of(i)[..AROUND.min(neighbours.k())];
+    let copies = neighbours.distances(i).iter().take_while(|&&d| d == 0.0).count();
+    let (near, distances) = (&neighbours.of(i)[copies..], &neighbours.distances(i)[copies..]);
+    let near = &near[..AROUND.min(near.len())];
     let frame = tangent_frame(points[i], near.iter().map(|&j| points[j as usize]));
-    let reach = neighbours.distances(i)[..near.len()].get(near.len() / 2).copied().unwrap_or(0.0);
+    let reach = distances.get(near.len() / 2).copied().unwrap_or(0.0);
     let mut cell: Vec<[f64; 2]> = (0..CORNERS)
         .map(|c| {
             let angle = std::f64::consts::TAU * c as f64 / CORNERS as f64;
             [reach * angle.cos(), reach * angle.sin()]
         })
         .collect();
-    for (&j, &distance) in near.iter().zip(neighbours.distances(i)) {
+    for (&j, &distance) in near.iter().zip(distances) {
         let offset: [f64; 3] = std::array::from_fn(|c| points[j as usize][c] - points[i][c]);
         let along = |axis: [f64; 3]| (0..3).map(|c| axis[c] * offset[c]).sum::<f64>();
-        if distance == 0.0 || along(frame.normal).abs() > OUT_OF_PLANE * distance {
+        if along(frame.normal).abs() > OUT_OF_PLANE * distance {
             continue;
         }
         // Rolled out to its full distance, so that curvature does not shorten it.
@@ -65,12 +67,8 @@ fn cell_area(points: &[[f64; 3]], neighbours: &Neighbours, i: usize, clipped: &m
             p[0] * q[1] - p[1] * q[0]
         })
         .sum();
-    0.5 * doubled / copies(neighbours, i)
-}
-
-/// Points that share this point's position, itself included: they share its cell.
-fn copies(neighbours: &Neighbours, i: usize) -> f64 {
-    1.0 + neighbours.distances(i).iter().take_while(|&&d| d == 0.0).count() as f64
+    // Points in one place share its cell.
+    0.5 * doubled / (1 + copies) as f64
 }
 
 /// Keeps the part of a convex polygon that is nearer to the origin than to `site` (Sutherland & Hodgman).

@@ -43,6 +43,11 @@ impl<'l> Pencil<'l> {
         Some(Self { matrix, mass, indptr, symbolic })
     }
 
+    /// Number of points.
+    pub(super) fn len(&self) -> usize {
+        self.mass.len()
+    }
+
     /// Factors L + shift·M. `None` when a pivot vanishes or memory runs out.
     pub(super) fn factor(&self, shift: f64) -> Option<Factor<'_>> {
         let n = self.mass.len();

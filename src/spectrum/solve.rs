@@ -23,6 +23,9 @@ const RESIDUAL: f64 = 1e-6;
 /// Ritz residual in the shift-inverted operator, relative to its value. Two digits below what [`RESIDUAL`] needs, because
 /// L amplifies what little high frequency the residual has.
 const RITZ_RESIDUAL: f64 = 1e-10;
+/// An eigenvalue below this multiple of the mean of all is held against that instead of itself, because 1e-6 of it is rounding: pieces that
+/// hang together by next to nothing, or more of them than eigenpairs.
+const ROUNDING: f64 = 1e-8;
 /// Restarts before giving up; ordinary shapes need none or one.
 const RESTARTS: usize = 60;
 
@@ -267,8 +270,7 @@ fn solve(
     let root_mass: Vec<f64> = mass.iter().map(|m| m.sqrt()).collect();
     let edges = matrix.iter().filter(|&(&value, _)| value != 0.0).map(|(_, (i, j))| (i as u32, j as u32));
     let (piece, pieces) = components(n, edges);
-    // By Weyl's law eigenvalues grow about linearly up to twice their mean.
-    let mean = matrix.diag_iter().zip(mass).map(|(d, m)| d.copied().unwrap_or(0.0) / m).sum::<f64>() / n as f64;
+    let mean = mean_eigenvalue(matrix, mass);
     let known = null_vectors(matrix, &root_mass, &piece, pieces, k, mean);
     if known.ncols() == k {
         let report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: true };
@@ -286,8 +288,7 @@ fn solve(
     }
 
     let pencil = Pencil::new(matrix, mass).ok_or(SpectrumError::NotFactorised)?;
-    // The k-th is near 2 k/n of the mean; a tenth of that keeps L + shift·M well conditioned without blurring the low end.
-    let shift = if mean > 0.0 && mean.is_finite() { 0.2 * mean * k as f64 / n as f64 } else { 1.0 };
+    let shift = shift(&pencil, mean, k).ok_or(SpectrumError::NotFactorised)?;
     let mut factor = pencil.factor(shift).ok_or(SpectrumError::NotFactorised)?;
     if factor.negative_pivots() > 0 {
         return Err(SpectrumError::NotFactorised);
@@ -299,7 +300,7 @@ fn solve(
     let mut lanczos = Lanczos::new(apply, known.as_ref(), 1.0 / shift, BLOCK, capacity);
     let mut report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: false };
     let mut next_look = lanczos.applied() + k + k / 2;
-    let (values, vectors) = loop {
+    let (values, mut vectors) = loop {
         while lanczos.has_room() && lanczos.applied() < next_look {
             lanczos.step();
             let share = lanczos.applied() as f64 / capacity as f64;
@@ -310,7 +311,7 @@ fn solve(
         let converged = (0..k).take_while(|&i| ritz.residuals[i] <= RITZ_RESIDUAL * ritz.values[i]).count();
         if converged == k {
             let eigenvalues: Vec<f64> = ritz.values[..k].iter().map(|theta| 1.0 / theta - shift).collect();
-            match missed(&pencil, &eigenvalues) {
+            match missed(&pencil, &eigenvalues, mean) {
                 Some(0) => report.complete = true,
                 Some(_) if report.restarts < RESTARTS => {
                     report.restarts += 1;
@@ -338,7 +339,30 @@ fn solve(
     };
     report.applications = lanczos.applications;
     progress.at(Stage::Spectrum, 0.9)?;
-    finish(matrix, mass, &root_mass, values, vectors, report)
+    let found = finish(matrix, mass, &root_mass, values.clone(), vectors.clone(), report);
+    let Err(SpectrumError::NotConverged { .. }) = found else { return found };
+    // Where triangles differ in size by orders of magnitude, L amplifies the least trace of high frequency. One more solve removes it.
+    apply_inverse(&mut factor, &root_mass, vectors.as_mut());
+    finish(matrix, mass, &root_mass, values, vectors.qr().compute_thin_Q(), report)
+}
+
+/// About a tenth of the k-th eigenvalue, which keeps L + shift·M well conditioned without blurring the low end.
+///
+/// By Weyl's law eigenvalues grow linearly up to twice their mean, the k-th near 2 k/n of it. A few needles or a patch of tiny
+/// triangles raise the mean out of all proportion, so the guess is lowered until not many more eigenvalues lie below it.
+fn shift(pencil: &Pencil<'_>, mean: f64, k: usize) -> Option<f64> {
+    let mut guess = 2.0 * mean * k as f64 / pencil.len() as f64;
+    if !(guess > 0.0 && guess.is_finite()) {
+        return Some(1.0);
+    }
+    while guess > ROUNDING * mean {
+        let below = pencil.factor(-guess)?.negative_pivots();
+        if below <= 3 * k {
+            break;
+        }
+        guess *= k as f64 / below as f64;
+    }
+    Some(0.1 * guess)
 }
 
 /// Replaces columns y by M^½ (L + shift·M)⁻¹ M^½ y.
@@ -383,9 +407,9 @@ fn null_vectors(
 /// How many eigenvalues lie below the last of those found beyond the ones found there. Counted just under the cluster that the last belongs
 /// to: how much of a cluster lies beyond k says nothing, and counting above it would ask for all of it.
 /// `None` when the factorisation breaks down, so that nothing can be said.
-fn missed(pencil: &Pencil<'_>, eigenvalues: &[f64]) -> Option<usize> {
+fn missed(pencil: &Pencil<'_>, eigenvalues: &[f64], mean: f64) -> Option<usize> {
     let k = eigenvalues.len();
-    let clear = 1e-6 * eigenvalues[k - 1];
+    let clear = 1e-6 * eigenvalues[k - 1].max(ROUNDING * mean);
     let first = (1..k).rev().find(|&c| eigenvalues[c] - eigenvalues[c - 1] > clear).unwrap_or(0);
     let gap = if first > 0 { eigenvalues[first] - eigenvalues[first - 1] } else { f64::INFINITY };
     let mu = eigenvalues[first] - 0.1 * gap.min(1e3 * clear);
@@ -406,23 +430,26 @@ fn finish(
         column.iter_mut().zip(root_mass).for_each(|(y, root)| *y /= root);
     }
     make_canonical(vectors.as_mut(), mass);
-    // With more pieces than eigenpairs all eigenvalues are zero; rounding is then measured against the mean of the whole spectrum.
-    let mean =
-        matrix.diag_iter().zip(mass).map(|(d, m)| d.copied().unwrap_or(0.0) / m).sum::<f64>() / mass.len() as f64;
-    let largest = values.iter().fold(1e-6 * mean, |m: f64, value| m.max(value.abs()));
+    let floor = (ROUNDING * mean_eigenvalue(matrix, mass)).max(f64::MIN_POSITIVE);
+    let largest = values.iter().fold(floor, |m: f64, value| m.max(value.abs()));
     if values.iter().any(|&value| value < -RESIDUAL * largest) {
         return Err(SpectrumError::NotFactorised);
     }
     let residuals: Vec<f64> =
         (0..values.len()).map(|j| residual(matrix, mass, vectors.col(j), values[j]) / largest).collect();
     report.residual = residuals.iter().copied().fold(0.0, f64::max);
-    // Written so that NaN fails too, which the maximum passes over. A matrix of zeros has no residual at all.
-    if !residuals.iter().all(|&r| r <= RESIDUAL) && mean != 0.0 {
+    // Written so that NaN fails too, which the maximum passes over.
+    if !residuals.iter().all(|&r| r <= RESIDUAL) {
         let converged = residuals.iter().filter(|&&r| r <= RESIDUAL).count();
         return Err(SpectrumError::NotConverged { converged, wanted: values.len(), residual: report.residual });
     }
     let values = values.into_iter().map(|value| value.max(0.0)).collect();
     Ok((values, vectors, report))
+}
+
+/// Mean of all n eigenvalues: the trace of M⁻¹L over n.
+fn mean_eigenvalue(matrix: &CsMat<f64>, mass: &[f64]) -> f64 {
+    matrix.diag_iter().zip(mass).map(|(d, m)| d.copied().unwrap_or(0.0) / m).sum::<f64>() / mass.len() as f64
 }
 
 /// ‖Lφ − λMφ‖ in the M⁻¹ norm.
