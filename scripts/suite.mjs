@@ -15,17 +15,22 @@ const CLOSINGS = [
 /** No suite may hang: milliseconds. */
 const LIMIT = 30 * 60_000;
 
-/** Runs a test program; resolves to `{ passed, failed, skipped }`. A program that fails, or runs nothing, has at least one failure. */
+/** Runs a test program; resolves to `{ passed, failed, skipped }`. */
 export async function runSuite(program, args, env) {
   const { status, text } = await tee(program, args, env);
-  const sum = (kind) => CLOSINGS.flatMap((closing) => [...text.matchAll(closing[kind])]).reduce((total, [, n]) => total + Number(n), 0);
+  const { complaint, ...counts } = countResults(text, status);
+  if (complaint) console.log(`✖ ${complaint}`);
+  return counts;
+}
+
+/** Sums the closing lines in `text`. A program that ran nothing, or failed without saying so, counts as a failure, with a complaint. */
+export function countResults(text, status) {
+  const sum = (kind) =>
+    CLOSINGS.flatMap((closing) => [...text.matchAll(closing[kind])]).reduce((total, [, count]) => total + Number(count), 0);
   const counts = { passed: sum('passed'), failed: sum('failed'), skipped: sum('skipped') };
-  if (counts.passed + counts.failed === 0) {
-    console.log(`✖ nothing ran (exit code ${status})`);
-    counts.failed = 1;
-  } else if (status !== 0 && counts.failed === 0) {
-    console.log(`✖ ended with exit code ${status} though no test failed`);
-    counts.failed = 1;
+  if (counts.passed + counts.failed === 0) return { ...counts, failed: 1, complaint: `nothing ran (exit code ${status})` };
+  if (status !== 0 && counts.failed === 0) {
+    return { ...counts, failed: 1, complaint: `ended with exit code ${status} though no test failed` };
   }
   return counts;
 }

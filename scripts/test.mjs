@@ -14,6 +14,7 @@ import { wasmEnvironment } from './toolchain.mjs';
 /** Each makes what it needs and resolves to `{ passed, failed, skipped }`. */
 const SUITES = {
   check,
+  scripts: () => runNode('scripts/tests'),
   rust: () => runSuite('cargo', ['test', '--locked', '--no-fail-fast', '--features', 'train'], environment()),
   wasm: testInBrowser,
   package: testPackage,
@@ -50,7 +51,7 @@ async function testPage() {
 }
 
 /** Runs the `*.test.mjs` of a folder, one after the other: they measure time and share two cores. */
-function runNode(folder, variables) {
+function runNode(folder, variables = {}) {
   const files = readdirSync(path.join(root, folder)).filter((name) => name.endsWith('.test.mjs'));
   if (files.length === 0) throw new Failure(`${folder} holds no *.test.mjs: nothing ran`);
   const runner = ['--test', '--test-reporter=spec', '--test-concurrency=1'];

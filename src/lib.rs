@@ -52,7 +52,7 @@ mod spectrum;
 pub mod train;
 mod vector;
 #[cfg(target_arch = "wasm32")]
-mod wasm;
+pub mod wasm;
 
 pub use device::{Cpu, Device};
 pub use error::Error;

@@ -14,7 +14,7 @@ use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOpt
 use crate::prepared::{Info, PreparedShape, ShapeKind};
 use crate::progress::{Progress, Stage};
 use crate::shape::{Repair, Shape, farthest_points, nearest_samples};
-use crate::spectrum::{SpectralBasis, spectrum};
+use crate::spectrum::{SpectralBasis, check_size, spectrum};
 
 /// Points of the even sampling that refinement iterates on.
 const COARSE: usize = 2000;
@@ -79,6 +79,7 @@ pub fn prepare(
         Some(samples) if !on_all_points => used_shape.at(samples)?,
         _ => used_shape.clone(),
     };
+    check_size(operator_shape.points().len(), options.eigenpairs)?;
 
     let laplacian = operators::laplacian(&operator_shape, kind, progress)?;
     let (mut basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, options.eigenpairs, progress)?;

@@ -14,9 +14,18 @@ export class RawShape {
 }
 
 export function read_file(bytes: Uint8Array, name: string | undefined, format: string | undefined): RawShape;
-export function read_arrays(positions: Float64Array, faces: Uint32Array | undefined, labels: Uint32Array | undefined, name: string | undefined): RawShape;
+export function read_arrays(
+  positions: Float64Array,
+  faces: Uint32Array | undefined,
+  labels: Uint32Array | undefined,
+  name: string | undefined,
+): RawShape;
 /** Consumes `shape`, also when it throws. */
-export function prepare(shape: RawShape, options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>, progress: Progress): Bytes;
+export function prepare(
+  shape: RawShape,
+  options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>,
+  progress: Progress,
+): Bytes;
 /** Consumes `shape`, also when it throws. */
 export function laplacian(shape: RawShape, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
 export function laplacian_of_prepared(block: Uint8Array, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
@@ -28,9 +37,18 @@ export function spectrum(
   options: { eigenpairs?: number | undefined },
   progress: Progress,
 ): Spectrum;
-export function match_pair(a: Uint8Array, b: Uint8Array, options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>, progress: Progress): Match;
+export function match_pair(
+  a: Uint8Array,
+  b: Uint8Array,
+  options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>,
+  progress: Progress,
+): Match;
 export function version(): string;
 /** Size of the wasm memory. */
 export function memory_bytes(): number;
+/** Size of the last request for memory that was refused; 0 when none was. */
+export function refused_bytes(): number;
+/** Message of the panic that the instance died of. */
+export function last_panic(): string | undefined;
 /** A real trap, to test recovery with. */
 export function trap(): never;

@@ -36,7 +36,11 @@ export class WorkerHost {
   }
 
   /** Settles once. The buffers in `transfer` move to the worker: they must be private copies. */
-  run<N extends CallName>(call: CallOf<N>, { signal, onProgress }: CallOptions = {}, transfer: ArrayBuffer[] = []): Promise<Calls[N]['answer']> {
+  run<N extends CallName>(
+    call: CallOf<N>,
+    { signal, onProgress }: CallOptions = {},
+    transfer: ArrayBuffer[] = [],
+  ): Promise<Calls[N]['answer']> {
     if (this.#disposed) return Promise.reject(disposed());
     if (signal?.aborted) return Promise.reject(cancelled(signal));
     return new Promise((resolve, reject) => {

@@ -3,7 +3,15 @@ import { disposable } from './disposable.js';
 import { GeoSeError } from './error.js';
 import { WorkerHost } from './host.js';
 import { isObject, laplacianOf, nothingElse, optionsOf, sourceOf, wrong } from './input.js';
-import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions, ReadOptions, ShapeInput, SpectrumOptions } from './options.js';
+import type {
+  LaplacianOptions,
+  MatcherOptions,
+  MatchOptions,
+  PrepareOptions,
+  ReadOptions,
+  ShapeInput,
+  SpectrumOptions,
+} from './options.js';
 import { blockOf, PreparedShape, preparedFrom } from './prepared.js';
 import { buffersOf, type Prepared, type Source } from './protocol.js';
 import type { Device, Laplacian, Match, Spectrum } from './results.js';
@@ -104,7 +112,10 @@ function choose(device: MatcherOptions['device']): Device {
 }
 
 /** The scan on its way into the worker, and the options that are not about reading it. */
-function sourceAnd<T extends ReadOptions>(scan: ShapeInput, { name, format, ...others }: T): { source: Source; others: Omit<T, keyof ReadOptions> } {
+function sourceAnd<T extends ReadOptions>(
+  scan: ShapeInput,
+  { name, format, ...others }: T,
+): { source: Source; others: Omit<T, keyof ReadOptions> } {
   if (name !== undefined && typeof name !== 'string') throw wrong('name', 'a string', name);
   if (format !== undefined && typeof format !== 'string') throw wrong('format', 'a string', format);
   return { source: sourceOf(scan, { name, format }), others };

@@ -10,8 +10,8 @@ type Progress = (stage: Stage, fraction: number) => void;
 /** Shortest time between two progress messages of one stage, in milliseconds. */
 const PROGRESS_INTERVAL = 33;
 
-/** An instance that dies with more of its 4 GiB in use died of the allocation that did not fit. */
-const NEARLY_ALL_MEMORY = 3 * 2 ** 30;
+/** Most bytes that one array in wasm memory may have. */
+const LARGEST_ARRAY = 2 ** 31 - 1;
 
 // A browser's worker must listen before its script has run; Node keeps messages until somebody listens.
 if ('DedicatedWorkerGlobalScope' in globalThis) {
@@ -65,10 +65,17 @@ async function answerTo(call: Call, progress: Progress): Promise<Answer> {
 }
 
 async function read(source: Source): Promise<raw.RawShape> {
+  const largest = source.from === 'arrays' ? Math.max(source.positions.byteLength, source.faces?.byteLength ?? 0) : sizeOf(source.file);
+  if (largest > LARGEST_ARRAY) {
+    const message = `the scan has an array or a file of ${largest} bytes; at most ${LARGEST_ARRAY} can be taken`;
+    throw { code: 'too-large', message, details: { bytes: largest, limit: LARGEST_ARRAY } };
+  }
   if (source.from === 'arrays') return raw.read_arrays(source.positions, source.faces, source.labels, source.name);
   const bytes = source.file instanceof Blob ? await bytesOf(source.file) : source.file;
   return raw.read_file(bytes, source.name, source.format);
 }
+
+const sizeOf = (file: Uint8Array | Blob): number => (file instanceof Blob ? file.size : file.byteLength);
 
 async function bytesOf(file: Blob): Promise<Uint8Array> {
   try {
@@ -97,19 +104,28 @@ function isTyped(error: unknown): error is Extract<FromWorker, { type: 'failed' 
 }
 
 function crashOf(error: unknown): FromWorker {
-  const reason = error instanceof Error ? error.message : String(error);
-  const memoryBytes = memoryInUse();
-  const refused = error instanceof RangeError && /alloc|memory/i.test(reason);
-  return refused || memoryBytes > NEARLY_ALL_MEMORY
-    ? { type: 'crashed', code: 'out-of-memory', message: `the matcher ran out of memory: ${reason}`, details: { memoryBytes } }
-    : { type: 'crashed', code: 'crashed', message: `the matcher crashed: ${reason}`, details: { memoryBytes } };
+  const { panic, ...memory } = remains();
+  const reason = panic ?? (error instanceof Error ? error.message : String(error));
+  const details = { ...memory, reason };
+  // JavaScript's own arrays can be refused too, and Rust calls what no memory could hold a capacity overflow.
+  const refused = (error instanceof RangeError && /alloc|memory/i.test(reason)) || /capacity overflow/.test(reason);
+  if (!refused && memory.refusedBytes === 0)
+    return { type: 'crashed', code: 'crashed', message: `the matcher crashed: ${reason}`, details };
+  const megabytes = (bytes: number) => `${Math.ceil(bytes / 2 ** 20)} MiB`;
+  const more = memory.refusedBytes > 0 ? `${megabytes(memory.refusedBytes)} more` : 'more';
+  const message = `the matcher ran out of memory: it had ${megabytes(memory.memoryBytes)} and could not get ${more}`;
+  return { type: 'crashed', code: 'out-of-memory', message, details };
 }
 
-/** A trap leaves an instance readable; 0 when there never was one. */
-function memoryInUse(): number {
+/** What a dead instance still tells; nothing when there never was one. */
+function remains(): { memoryBytes: number; refusedBytes: number; panic: string | undefined } {
+  const told = { memoryBytes: 0, refusedBytes: 0, panic: undefined as string | undefined };
   try {
-    return raw.memory_bytes();
+    told.memoryBytes = raw.memory_bytes();
+    told.refusedBytes = raw.refused_bytes();
+    told.panic = raw.last_panic();
   } catch {
-    return 0;
+    // Then it is known only in part.
   }
+  return told;
 }

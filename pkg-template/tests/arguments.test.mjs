@@ -8,7 +8,10 @@ const SMALL = lump({ frequency: 6 });
 const { positions, faces } = SMALL;
 
 async function codeOf(promise) {
-  const error = await promise.then(() => null, (reason) => reason);
+  const error = await promise.then(
+    () => null,
+    (reason) => reason,
+  );
   assert.ok(error instanceof GeoSeError, `rejects with a GeoSeError, not ${error}`);
   assert.equal(error.name, 'GeoSeError');
   assert.ok(error.message.length > 10, 'a sentence for a person');
@@ -74,7 +77,14 @@ describe('wrong arguments are typed errors', () => {
     for (const options of [7, 'fast', null, { signal: {} }, { onProgress: 'log' }, { name: 7 }, { format: 7 }, { points: () => 5 }]) {
       assert.equal(await codeOf(matcher.prepare(SMALL, options)), 'invalid-argument', JSON.stringify(options));
     }
-    for (const options of [{ points: 'many' }, { eigenpairs: -1 }, { faces: 'maybe' }, { laplacian: 'best' }, { eigenparis: 20 }, { up: 'left' }]) {
+    for (const options of [
+      { points: 'many' },
+      { eigenpairs: -1 },
+      { faces: 'maybe' },
+      { laplacian: 'best' },
+      { eigenparis: 20 },
+      { up: 'left' },
+    ]) {
       assert.match(await codeOf(matcher.prepare(SMALL, options)), /option/, JSON.stringify(options));
     }
     for (const options of [{ refine: 'much' }, { parts: 'all' }, { landmarks: [[0]] }, { landmark: [[0, 0]] }]) {
@@ -91,7 +101,11 @@ describe('wrong arguments are typed errors', () => {
   });
 
   test('anything but prepared shapes to match', async () => {
-    for (const [a, b] of [[shape, SMALL], [undefined, shape], [shape, null]]) {
+    for (const [a, b] of [
+      [shape, SMALL],
+      [undefined, shape],
+      [shape, null],
+    ]) {
       assert.equal(await codeOf(matcher.match(a, b)), 'invalid-argument');
     }
   });
@@ -101,7 +115,10 @@ describe('wrong arguments are typed errors', () => {
     for (const wrong of [undefined, {}, { ...laplacian, indices: [...laplacian.indices] }, { ...laplacian, mass: null }]) {
       assert.equal(await codeOf(matcher.spectrum(wrong)), 'invalid-argument');
     }
-    for (const inconsistent of [{ ...laplacian, mass: laplacian.mass.slice(1) }, { ...laplacian, indptr: laplacian.indptr.slice(1) }]) {
+    for (const inconsistent of [
+      { ...laplacian, mass: laplacian.mass.slice(1) },
+      { ...laplacian, indptr: laplacian.indptr.slice(1) },
+    ]) {
       assert.notEqual(await codeOf(matcher.spectrum(inconsistent)), 'crashed');
     }
   });

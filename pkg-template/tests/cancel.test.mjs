@@ -17,7 +17,10 @@ async function cancelAt(stage, call) {
     aborted = performance.now();
     controller.abort('enough');
   };
-  const error = await call({ signal: controller.signal, onProgress }).then(() => null, (reason) => reason);
+  const error = await call({ signal: controller.signal, onProgress }).then(
+    () => null,
+    (reason) => reason,
+  );
   assert.equal(error?.name, 'GeoSeError');
   assert.equal(error.code, 'cancelled');
   assert.equal(error.cause, 'enough');
@@ -38,9 +41,18 @@ describe('cancelling', () => {
   test('progress tells of known stages, in order, with fractions from 0 to 1', async () => {
     const told = [];
     await matcher.prepare(lump(), { ...OPTIONS, onProgress: (progress) => told.push(progress) });
-    assert.deepEqual([...heard.prepare], STAGES.filter((stage) => heard.prepare.has(stage)));
-    assert.ok(['graph', 'laplacian', 'spectrum'].every((stage) => heard.prepare.has(stage)), [...heard.prepare].join());
-    assert.ok(['functional-map', 'refine', 'correspondence'].every((stage) => heard.match.has(stage)), [...heard.match].join());
+    assert.deepEqual(
+      [...heard.prepare],
+      STAGES.filter((stage) => heard.prepare.has(stage)),
+    );
+    assert.ok(
+      ['sample', 'laplacian', 'spectrum', 'features'].every((stage) => heard.prepare.has(stage)),
+      [...heard.prepare].join(),
+    );
+    assert.ok(
+      ['functional-map', 'refine', 'correspondence'].every((stage) => heard.match.has(stage)),
+      [...heard.match].join(),
+    );
     for (const { stage, fraction } of told) assert.ok(STAGES.includes(stage) && fraction >= 0 && fraction <= 1);
   });
 
@@ -84,7 +96,10 @@ describe('cancelling', () => {
     controllers[2].abort();
     controllers[0].abort();
     const outcomes = await Promise.allSettled(calls);
-    assert.deepEqual(outcomes.map(({ status, reason }) => reason?.code ?? status), ['cancelled', 'fulfilled', 'cancelled', 'fulfilled']);
+    assert.deepEqual(
+      outcomes.map(({ status, reason }) => reason?.code ?? status),
+      ['cancelled', 'fulfilled', 'cancelled', 'fulfilled'],
+    );
     assert.deepEqual(outcomes[3].value.targetOf, expected.targetOf);
   });
 

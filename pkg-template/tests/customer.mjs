@@ -14,3 +14,14 @@ export async function run(Matcher, options = {}) {
   matcher.dispose();
   return { cancelled, trapped, targetOf: [...targetOf], back: [...reverse.targetOf] };
 }
+
+/** Matches two scans, files as they are; tells the whole map, the seconds of each stage and the memory it took. */
+export async function matchScans(Matcher, bytesA, bytesB) {
+  const matcher = await Matcher.create();
+  const a = await matcher.prepare(bytesA);
+  const b = await matcher.prepare(bytesB);
+  const { targetOf, confidence, reverse, report } = await matcher.match(a, b);
+  matcher.dispose();
+  const seconds = { prepare: [a.info.seconds, b.info.seconds], match: report.seconds };
+  return { map: [[...targetOf], [...reverse.targetOf], [...confidence]], seconds, memory: report.peakMemoryBytes };
+}

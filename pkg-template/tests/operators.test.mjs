@@ -47,7 +47,9 @@ describe('operators of the unit sphere', () => {
       assert.equal(eigenvalues.length, 25);
       assert.equal(eigenvectors.length, N * 25);
       t.diagnostic(`eigenvalues ${[1, 4, 9, 16].map((i) => eigenvalues[i].toFixed(3)).join(', ')}`);
-      harmonics(25).forEach((exact, i) => assert.ok(Math.abs(eigenvalues[i] - exact) <= tolerance * exact + 1e-6, `λ${i} = ${eigenvalues[i]}, not ${exact}`));
+      harmonics(25).forEach((exact, i) =>
+        assert.ok(Math.abs(eigenvalues[i] - exact) <= tolerance * exact + 1e-6, `λ${i} = ${eigenvalues[i]}, not ${exact}`),
+      );
     });
   }
 

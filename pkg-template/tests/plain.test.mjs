@@ -3,8 +3,9 @@ import { cpSync } from 'node:fs';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { launch, page, serve, visit } from './browser.mjs';
-import { run } from './customer.mjs';
+import { matchScans, run } from './customer.mjs';
 import { installedPackage, project } from './installed.mjs';
+import { sample } from './samples.mjs';
 
 const CSP = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; img-src data:";
 
@@ -17,8 +18,8 @@ describe('a page without any bundler', () => {
   after(() => browser.close());
 
   /** Serves the page with the package in its folder `vendor`, visits it and clears up. */
-  async function visited(options, serving) {
-    const { folder, installed, remove } = project(page(options));
+  async function visited(options, { files, ...serving } = {}) {
+    const { folder, installed, remove } = project({ ...page(options), ...files });
     cpSync(installed, path.join(folder, 'vendor'), { recursive: true });
     const { origin, close } = await serve(folder, serving);
     try {
@@ -45,6 +46,22 @@ describe('a page without any bundler', () => {
     const asked = requests.filter((url) => !url.startsWith('data:'));
     assert.ok(asked.some((url) => url.endsWith('/vendor/geose_fmap_bg.wasm')));
     for (const url of asked) assert.equal(new URL(url).origin, origin);
+  });
+
+  test('gives for two bodies of 5000 points the bytes Node gives', async (t) => {
+    const scans = [sample('woman-standing'), sample('man-lunging')];
+    const inNode = await matchScans((await installedPackage()).Matcher, ...scans);
+    const main = `
+      import { Matcher } from './vendor/index.js';
+      import { matchScans } from './customer.mjs';
+      const fetched = async (file) => new Uint8Array(await (await fetch(file)).arrayBuffer());
+      window.outcome = await matchScans(Matcher, await fetched('a.ply'), await fetched('b.ply')).catch((error) => ({ error: String(error) }));
+    `;
+    const { outcome } = await visited({}, { files: { 'main.js': main, 'a.ply': scans[0], 'b.ply': scans[1] } });
+    assert.deepEqual(outcome.map, inNode.map, outcome.error);
+    for (const [where, { seconds, memory }] of Object.entries({ Node: inNode, browser: outcome })) {
+      t.diagnostic(`${where}: ${JSON.stringify(seconds)}, ${(memory / 2 ** 20).toFixed(1)} MiB`);
+    }
   });
 
   test('takes the wasm from a server that does not know its type', async () => {

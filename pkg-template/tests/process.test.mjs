@@ -8,7 +8,8 @@ const CLOUD = 'const positions = Float64Array.from({ length: 900 }, (_, i) => Ma
 describe('a process that uses the package', () => {
   const { folder, remove } = project();
   after(remove);
-  const run = (script) => spawnSync(process.execPath, ['--input-type=module', '-e', script], { cwd: folder, encoding: 'utf8', timeout: 60_000 });
+  const run = (script) =>
+    spawnSync(process.execPath, ['--input-type=module', '-e', script], { cwd: folder, encoding: 'utf8', timeout: 60_000 });
 
   test('ends by itself though its matcher was not disposed of', () => {
     const { status, stdout, stderr } = run(`

@@ -26,7 +26,10 @@ describe('what a matcher hands out', () => {
   });
 
   test('a map with one entry per uploaded point, both ways', () => {
-    for (const [map, from, to] of [[match, A, B], [match.reverse, B, A]]) {
+    for (const [map, from, to] of [
+      [match, A, B],
+      [match.reverse, B, A],
+    ]) {
       assert.ok(map.targetOf instanceof Uint32Array);
       assert.ok(map.confidence instanceof Float32Array);
       assert.equal(map.targetOf.length, points(from));
@@ -81,11 +84,20 @@ describe('what a matcher hands out', () => {
     assert.equal(k, a.info.eigenpairs);
     assert.equal(eigenvectors.length, points(A) * k);
     assert.equal(mass.length, points(A));
-    for (const [p, q] of [[0, 0], [1, 1], [k - 1, k - 1], [0, 1], [2, k - 1]]) {
+    for (const [p, q] of [
+      [0, 0],
+      [1, 1],
+      [k - 1, k - 1],
+      [0, 1],
+      [2, k - 1],
+    ]) {
       const product = mass.reduce((sum, m, i) => sum + m * eigenvectors[i * k + p] * eigenvectors[i * k + q], 0);
       assert.ok(Math.abs(product - (p === q ? 1 : 0)) < 1e-6, `⟨${p}, ${q}⟩ = ${product}`);
     }
-    assert.deepEqual(a.eigenfunction(2), Float64Array.from({ length: points(A) }, (_, i) => eigenvectors[i * k + 2]));
+    assert.deepEqual(
+      a.eigenfunction(2),
+      Float64Array.from({ length: points(A) }, (_, i) => eigenvectors[i * k + 2]),
+    );
     assert.throws(() => a.eigenfunction(k), { name: 'GeoSeError', code: 'invalid-argument' });
   });
 
@@ -128,7 +140,10 @@ describe('what a matcher hands out', () => {
     const k = eigenvalues.length;
     assert.equal(eigenvectors.length, points(cloud) * k);
     assert.equal(mass.filter((m) => m > 0).length, shape.info.pointsUsed);
-    assert.deepEqual(shape.eigenfunction(3), Float64Array.from({ length: points(cloud) }, (_, i) => eigenvectors[i * k + 3]));
+    assert.deepEqual(
+      shape.eigenfunction(3),
+      Float64Array.from({ length: points(cloud) }, (_, i) => eigenvectors[i * k + 3]),
+    );
     const { targetOf } = await matcher.match(shape, b);
     assert.equal(targetOf.length, points(cloud));
   });

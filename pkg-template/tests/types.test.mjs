@@ -47,10 +47,19 @@ describe('the types of the package', () => {
 
   for (const [what, flags] of Object.entries({
     'a bundler': ['--module', 'esnext', '--moduleResolution', 'bundler', '--lib', 'es2022,dom,esnext.disposable'],
-    'Node': ['--module', 'nodenext', '--lib', 'es2022,dom,esnext.disposable'],
+    Node: ['--module', 'nodenext', '--lib', 'es2022,dom,esnext.disposable'],
   })) {
     test(`check for ${what}, strictly and without skipping declarations`, () => {
-      const strict = ['--strict', '--exactOptionalPropertyTypes', '--noUncheckedIndexedAccess', '--noEmit', '--target', 'es2022', '--types', ''];
+      const strict = [
+        '--strict',
+        '--exactOptionalPropertyTypes',
+        '--noUncheckedIndexedAccess',
+        '--noEmit',
+        '--target',
+        'es2022',
+        '--types',
+        '',
+      ];
       const { status, stdout } = spawnSync(process.execPath, [tsc, ...strict, ...flags, 'program.ts'], { cwd: folder, encoding: 'utf8' });
       assert.equal(status, 0, stdout);
     });

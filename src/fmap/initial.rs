@@ -41,9 +41,13 @@ pub async fn initial_maps<D: Device>(
         m.basis.project(features.view()) / channels.sqrt()
     };
     let (invariant_a, invariant_b) = (invariant(a), invariant(b));
-    let position_a = position_coefficients(a, a.points.view());
+    let axes = |m: &Matchable| principal_axes(m.points.view(), m.basis.mass.iter().copied());
+    let (axes_a, axes_b) = (axes(a), axes(b));
+    // Along the axes of A, because sines along those of the upload would change when it is turned. Which way an axis points does not matter:
+    // that changes a sign on both sides.
+    let position_a = position_coefficients(a, rotate(a.points.view(), &axes_a).view());
     let solve = |k: usize, rotation: &Rotation| {
-        let position_b = position_coefficients(b, rotate(b.points.view(), rotation).view());
+        let position_b = position_coefficients(b, rotate(b.points.view(), &compose(&axes_a, rotation)).view());
         let mut parts_a = vec![invariant_a.view(), position_a.view()];
         let mut parts_b = vec![invariant_b.view(), position_b.view()];
         if let Some((landmarks_a, landmarks_b)) = landmarks {
@@ -54,8 +58,6 @@ pub async fn initial_maps<D: Device>(
         solve_both(a, b, join(&parts_a).view(), join(&parts_b).view(), k)
     };
 
-    let axes = |m: &Matchable| principal_axes(m.points.view(), m.basis.mass.iter().copied());
-    let (axes_a, axes_b) = (axes(a), axes(b));
     let k = FIRST.min(a.basis.k()).min(b.basis.k());
     let trial = Trial::new(device, a, b, k);
     let mut tried = Vec::new();
@@ -69,6 +71,7 @@ pub async fn initial_maps<D: Device>(
     let mut best: Option<Verdict> = None;
     for first in tried.into_iter().take(FINALISTS) {
         let verdict = trial.judge(device, solve(k, &first.rotation), k, FINAL_ROUNDS).await;
+        if std::env::var("H").is_ok() { println!("first {:.3}  residual {:.4} chirality {:.3} mismatch {:.4} badness {:.5}", first.residual, verdict.residual, verdict.chirality, verdict.mismatch, verdict.badness()); }
         if best.as_ref().is_none_or(|best| verdict.badness() < best.badness()) {
             best = Some(verdict);
         }
@@ -81,6 +84,7 @@ pub async fn initial_maps<D: Device>(
 struct Trial<T> {
     points: [Array2<f64>; 2],
     normals: [Array2<f64>; 2],
+    features: [Array2<f32>; 2],
     phi_a: Array2<f32>,
     on_device: [T; 2],
 }
@@ -95,12 +99,15 @@ struct Verdict {
     residual: f64,
     /// Whether it keeps the outside out.
     chirality: f64,
+    /// Mean squared difference of the invariant descriptors, each of variance 1: 2 for a map that knows nothing.
+    mismatch: f64,
 }
 
 impl Verdict {
-    /// The residual alone would prefer a body seen from behind where its limbs happen to lie better.
+    /// The residual alone would prefer a body seen from behind where its limbs happen to lie better; with chirality alone a body may still stand on its
+    /// head, and only descriptors tell arms from legs.
     fn badness(&self) -> f64 {
-        self.residual * (1.0 - self.chirality)
+        self.residual * (1.0 - self.chirality) * self.mismatch
     }
 }
 
@@ -112,9 +119,10 @@ impl<T> Trial<T> {
         let points = [at(a, &rows_a), at(b, &rows_b)];
         let normals = |m: &Matchable, points: &Array2<f64>| outward_normals(at(m, &m.coarse).view(), points.view());
         let normals = [normals(a, &points[0]), normals(b, &points[1])];
+        let features = [a.features.select(Axis(0), &wide(&rows_a)), b.features.select(Axis(0), &wide(&rows_b))];
         let phi_a = a.phi_at(&rows_a, k);
         let on_device = [device.upload(phi_a.view()), device.upload(b.phi_at(&rows_b, k).view())];
-        Self { points, normals, phi_a, on_device }
+        Self { points, normals, features, phi_a, on_device }
     }
 
     /// Judges maps of size k after some rounds of matching and fitting again.
@@ -137,7 +145,9 @@ impl<T> Trial<T> {
         let smooth = smoothed(self.phi_a.slice(s![.., ..k]), images.view());
         let image_normals = self.normals[1].select(Axis(0), &to_b);
         let chirality = chirality(points_a.view(), self.normals[0].view(), smooth.view(), image_normals.view());
-        Verdict { maps, rotation, residual, chirality }
+        let differences = &self.features[0] - &self.features[1].select(Axis(0), &to_b);
+        let mismatch = differences.iter().map(|&d| f64::from(d * d)).sum::<f64>() / differences.len().max(1) as f64;
+        Verdict { maps, rotation, residual, chirality, mismatch }
     }
 }
 

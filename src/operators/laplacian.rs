@@ -67,7 +67,7 @@ pub struct Laplacian {
 }
 
 impl Laplacian {
-    /// L = D − W from weights `(i, j, w)` of undirected edges, each given once.
+    /// L = D − W from weights `(i, j, w)` of undirected edges; several of one edge add up.
     pub fn from_weights(
         kind: LaplacianKind,
         mass: Vec<f64>,
@@ -76,7 +76,15 @@ impl Laplacian {
         let n = mass.len();
         let mut entries = TriMat::new((n, n));
         let mut degree = vec![0.0; n];
-        for (i, j, w) in weights {
+        // Added up before they are entered, in one order, so that both triangles have the same bits.
+        let mut edges: Vec<(u32, u32, f64)> = weights.into_iter().map(|(i, j, w)| (i.min(j), i.max(j), w)).collect();
+        edges.sort_by_key(|&(i, j, _)| (i, j));
+        edges.dedup_by(|next, sum| {
+            let same = (next.0, next.1) == (sum.0, sum.1);
+            sum.2 += if same { next.2 } else { 0.0 };
+            same
+        });
+        for (i, j, w) in edges {
             let (i, j) = (i as usize, j as usize);
             if i != j {
                 entries.add_triplet(i, j, -w);

@@ -8,4 +8,5 @@ mod signs;
 mod solve;
 
 pub use basis::SpectralBasis;
+pub(crate) use solve::check_size;
 pub use solve::{SpectrumError, SpectrumReport, spectrum};

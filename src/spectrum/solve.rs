@@ -166,6 +166,21 @@ pub fn spectrum(
     Ok((basis, report))
 }
 
+/// Columns of the Lanczos basis for k eigenpairs.
+fn subspace(k: usize) -> usize {
+    (2 * k + 10 * BLOCK).max(40)
+}
+
+/// Bytes that k eigenpairs of n points take, or the error that they are too many: known before there is a matrix.
+pub(crate) fn check_size(n: usize, k: usize) -> Result<u64, SpectrumError> {
+    let k = k.min(n);
+    let bytes = (n as u64) * (subspace(k) + 2 * k + 4 * BLOCK) as u64 * 8;
+    if bytes > u64::from(u32::MAX) / 2 {
+        return Err(SpectrumError::TooLarge { eigenpairs: k, points: n, bytes });
+    }
+    Ok(bytes)
+}
+
 /// Points that take part: all but those with neither mass nor entries.
 fn active_points(matrix: &CsMat<f64>, mass: &[f64]) -> Result<Vec<usize>, SpectrumError> {
     if matrix.rows() != mass.len() || matrix.cols() != mass.len() || !matrix.is_csr() {
@@ -261,14 +276,14 @@ fn solve(
         let report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: true };
         return finish(matrix, mass, &root_mass, vec![0.0; k], known, report);
     }
-    let subspace = (2 * k + 10 * BLOCK).max(40);
+    let subspace = subspace(k);
     if n <= DENSE || (subspace + 2 * BLOCK >= n && n <= 10 * DENSE) {
         let (values, vectors) = smallest_eigenpairs(matrix, &root_mass, k).ok_or(SpectrumError::NotFactorised)?;
         let report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: true };
         return finish(matrix, mass, &root_mass, values, vectors, report);
     }
-    let bytes = (n as u64) * (subspace + 2 * k + 4 * BLOCK) as u64 * 8;
-    if subspace + 2 * BLOCK >= n || bytes > u64::from(u32::MAX) / 2 {
+    let bytes = check_size(n, k)?;
+    if subspace + 2 * BLOCK >= n {
         return Err(SpectrumError::TooLarge { eigenpairs: k, points: n, bytes });
     }
 

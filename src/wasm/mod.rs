@@ -4,6 +4,7 @@
 //! instance must be discarded.
 
 mod convert;
+mod remains;
 
 use js_sys::Function;
 use wasm_bindgen::prelude::*;
@@ -16,13 +17,15 @@ use crate::progress::{Progress, Stage};
 use crate::read::Format;
 use crate::shape::Shape;
 use crate::{Cpu, operators, pipeline, spectrum as spectra};
+pub use remains::{last_panic, refused_bytes};
+
 use convert::{
     LaplacianOptions, SpectrumOptions, laplacian_to_js, match_to_js, matrix_from_csr, options, spectrum_to_js, throw,
 };
 
 #[wasm_bindgen(start)]
 fn start() {
-    console_error_panic_hook::set_once();
+    remains::keep_panics();
 }
 
 /// A scan as read, not yet prepared.
