@@ -104,9 +104,11 @@ struct Verdict {
 
 impl Verdict {
     /// The residual alone would prefer a body seen from behind where its limbs happen to lie better; with chirality alone a body may still stand on its
-    /// head, and only descriptors tell arms from legs.
+    /// head, and only descriptors tell arms from legs. None of them may be an excuse for the others: descriptors agree perfectly on a body and its own
+    /// mirror image, which is why they get a floor and chirality counts as odds, so that a map inside out cannot win.
     fn badness(&self) -> f64 {
-        self.residual * (1.0 - self.chirality) * self.mismatch
+        let inside_out = (1.0 - self.chirality) / (1.0 + self.chirality).max(1e-3);
+        self.residual * inside_out * (0.1 + self.mismatch)
     }
 }
 
