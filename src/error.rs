@@ -22,10 +22,10 @@ pub enum Error {
     Shape(#[from] ShapeError),
     /// No Laplacian can be built.
     #[error(transparent)]
-    Operator(#[from] OperatorError),
+    Operator(OperatorError),
     /// No eigenpairs can be found.
     #[error(transparent)]
-    Spectrum(#[from] SpectrumError),
+    Spectrum(SpectrumError),
     /// An option has no meaning here.
     #[error(transparent)]
     Option(#[from] OptionError),
@@ -35,6 +35,24 @@ pub enum Error {
     /// The listener asked for a stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<OperatorError> for Error {
+    fn from(error: OperatorError) -> Self {
+        match error {
+            OperatorError::Cancelled(stop) => Error::Cancelled(stop),
+            error => Error::Operator(error),
+        }
+    }
+}
+
+impl From<SpectrumError> for Error {
+    fn from(error: SpectrumError) -> Self {
+        match error {
+            SpectrumError::Cancelled(stop) => Error::Cancelled(stop),
+            error => Error::Spectrum(error),
+        }
+    }
 }
 
 impl Error {

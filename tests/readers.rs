@@ -1,5 +1,7 @@
 //! What the readers read, what they repair and say, and what they refuse and why. Inputs are built here, small.
 
+#![cfg(not(target_arch = "wasm32"))]
+
 #[path = "readers/gltf.rs"]
 mod gltf;
 #[path = "readers/hostile.rs"]

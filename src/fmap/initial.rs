@@ -71,7 +71,6 @@ pub async fn initial_maps<D: Device>(
     let mut best: Option<Verdict> = None;
     for first in tried.into_iter().take(FINALISTS) {
         let verdict = trial.judge(device, solve(k, &first.rotation), k, FINAL_ROUNDS).await;
-        if std::env::var("H").is_ok() { println!("first {:.3}  residual {:.4} chirality {:.3} mismatch {:.4} badness {:.5}", first.residual, verdict.residual, verdict.chirality, verdict.mismatch, verdict.badness()); }
         if best.as_ref().is_none_or(|best| verdict.badness() < best.badness()) {
             best = Some(verdict);
         }

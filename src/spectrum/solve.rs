@@ -300,10 +300,12 @@ fn solve(
     let mut lanczos = Lanczos::new(apply, known.as_ref(), 1.0 / shift, BLOCK, capacity);
     let mut report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: false };
     let mut next_look = lanczos.applied() + k + k / 2;
+    let mut share = 0.0_f64;
     let (values, mut vectors) = loop {
         while lanczos.has_room() && lanczos.applied() < next_look {
             lanczos.step();
-            let share = lanczos.applied() as f64 / capacity as f64;
+            // A restart falls back, which is nothing to show.
+            share = share.max(lanczos.applied() as f64 / capacity as f64);
             progress.at(Stage::Spectrum, 0.1 + 0.7 * share)?;
         }
         next_look = lanczos.applied() + (k / 5).max(2 * BLOCK);

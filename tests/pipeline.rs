@@ -1,0 +1,405 @@
+//! From scan to map: a body finds itself, in any pose of the whole and any unit; every size of upload gives a whole map; what cannot be done
+//! is said; a prepared shape survives its bytes.
+#![cfg(not(target_arch = "wasm32"))]
+
+mod shapes;
+
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use geose_fmap::{
+    BlockError, Correspondence, Cpu, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, Parts,
+    PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
+    prepare,
+};
+use shapes::{BODIES, Random, Soup, blob, body, fibonacci_sphere, icosphere, prepared, scan, soup, turn};
+
+fn matched(a: &PreparedShape, b: &PreparedShape) -> Match {
+    matched_with(a, b, &MatchOptions::default()).expect("a match")
+}
+
+fn matched_with(a: &PreparedShape, b: &PreparedShape, options: &MatchOptions) -> Result<Match, Error> {
+    pollster::block_on(match_shapes(&Cpu, a, b, options, &mut Progress::silent()))
+}
+
+fn as_cloud() -> PrepareOptions {
+    PrepareOptions { faces: FaceUse::Ignore, ..Default::default() }
+}
+
+/// Fewer eigenpairs, for tests that are not about accuracy.
+fn quick() -> PrepareOptions {
+    PrepareOptions { eigenpairs: 60, ..Default::default() }
+}
+
+/// The first sample body as a mesh, prepared once.
+static BODY: LazyLock<PreparedShape> = LazyLock::new(|| prepared(body(BODIES[0]), &PrepareOptions::default()));
+
+/// A small shape of everything a block can hold: labels, samples, and a point without a face.
+static SMALL: LazyLock<PreparedShape> = LazyLock::new(|| {
+    let mut soup = blob(2);
+    soup.points.push([0.0, 0.0, 4.0]);
+    let labels = (0..soup.points.len() as u32).map(|i| i % 3).collect();
+    let shape = Shape::new(soup.points, soup.faces, Some(labels)).expect("a valid shape");
+    prepare(
+        shape,
+        Some("small.ply".into()),
+        &PrepareOptions { points: 80, eigenpairs: 20, ..quick() },
+        &mut Progress::silent(),
+    )
+    .expect("a prepared shape")
+});
+
+/// Targets for every uploaded point, all there, each with a confidence.
+fn assert_whole(what: &str, map: &Correspondence, from: &PreparedShape, to: &PreparedShape) {
+    let (n, m) = (from.shape.points().len(), to.shape.points().len());
+    assert_eq!((map.target.len(), map.confidence.len()), (n, n), "{what}");
+    assert!(map.target.iter().all(|&t| (t as usize) < m && t != UNMATCHED), "{what}");
+    assert!(map.confidence.iter().all(|c| (0.0..=1.0).contains(c)), "{what}");
+}
+
+fn assert_match(what: &str, a: &PreparedShape, b: &PreparedShape) -> Match {
+    let found = matched(a, b);
+    assert_whole(what, &found.a_to_b, a, b);
+    assert_whole(what, &found.b_to_a, b, a);
+    assert_eq!(found.points_used, [a.points_used(), b.points_used()], "{what}");
+    let k = a.info.eigenpairs.min(b.info.eigenpairs);
+    for map in [&found.c_ab, &found.c_ba] {
+        assert_eq!(map.matrix.dim(), (k, k), "{what}");
+        assert!(map.matrix.iter().all(|v| v.is_finite()), "{what}");
+    }
+    found
+}
+
+#[test]
+fn a_body_finds_itself_in_a_shuffled_copy_without_faces() {
+    for (seed, file) in BODIES.into_iter().enumerate() {
+        let a = body(file);
+        let order = Random(seed as u64).permutation(a.points().len());
+        let copy = soup(&a).renumbered(&order).cloud().shape();
+        let distances = EdgeDistances::new(&a);
+        let (a, b) = (prepared(a, &PrepareOptions::default()), prepared(copy, &PrepareOptions::default()));
+        let found = assert_match(file, &a, &b);
+        // Both ways, measured on the mesh: where does each point of the copy land, and where does each point end up, named as on the mesh.
+        let mut place = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(i, &new)| place[new as usize] = i as u32);
+        let there: Vec<_> = found.a_to_b.target.iter().zip(0..).map(|(&t, i)| (place[t as usize], i)).collect();
+        let back: Vec<_> = found.b_to_a.target.iter().zip(&place).map(|(&t, &i)| (t, i)).collect();
+        let errors = [mean_error(&distances, &there), mean_error(&distances, &back)];
+        println!("{file} onto its shuffled cloud: {:.2} and back {:.2} (×100/√area)", errors[0], errors[1]);
+        assert!(errors[0] <= 1.0, "{file}: {errors:?}");
+    }
+}
+
+#[test]
+fn turning_and_scaling_a_body_changes_none_of_its_map() {
+    let (a, b) = (body("woman-standing.ply"), body("man-lunging.ply"));
+    // In metres y-up, and in millimetres lying somewhere.
+    let elsewhere = soup(&b).moved(|p| turn(p).map(|x| 1000.0 * x - 300.0)).shape();
+    let sampled = PrepareOptions { points: 2000, ..as_cloud() };
+    for (name, options) in [("mesh", PrepareOptions::default()), ("sampled cloud", sampled)] {
+        let [a, b, elsewhere] = [&a, &b, &elsewhere].map(|s| prepared(s.clone(), &options));
+        let (one, other) = (matched(&a, &b), matched(&a, &elsewhere));
+        let same = one.a_to_b.target.iter().zip(&other.a_to_b.target).filter(|(x, y)| x == y).count();
+        let share = same as f64 / one.a_to_b.target.len() as f64;
+        println!("{name}: {:.2} % of the points keep their target", 100.0 * share);
+        assert!(share >= 0.995, "{name}: {share}");
+    }
+}
+
+#[test]
+fn the_same_pair_gives_the_same_map_again() {
+    let options = PrepareOptions { points: 800, eigenpairs: 60, ..as_cloud() };
+    let bytes = || {
+        let [a, b] = ["woman-striding.ply", "man-standing.ply"].map(|file| prepared(body(file), &options));
+        let found = matched(&a, &b);
+        (found.a_to_b.target, found.a_to_b.confidence, found.b_to_a.target, found.c_ab)
+    };
+    assert!(bytes() == bytes());
+}
+
+#[test]
+fn preparing_tells_what_the_scan_is() {
+    let info = &BODY.info;
+    assert_eq!(
+        (info.kind, info.points, info.faces, info.pieces, info.points_used),
+        (ShapeKind::Mesh, 5000, 9996, 1, 5000)
+    );
+    assert_eq!((info.unit.as_deref(), info.up_axis), (Some("m"), Some(geose_fmap::Axis::Y)));
+    assert_eq!((info.laplacian, info.eigenpairs), (LaplacianKind::Cotangent, 120));
+    assert!(info.residual <= 1e-6 && (info.scale / BODY.shape.surface_area().sqrt() - 1.0).abs() < 1e-3);
+    let cloud = prepared(body("woman-greeting-cloud.ply"), &quick());
+    assert_eq!((cloud.info.kind, cloud.info.laplacian), (ShapeKind::Cloud, LaplacianKind::Geodesic));
+}
+
+/// Runs once to hear of everything, then once for every call, stopping there.
+fn assert_stops(stages: &[Stage], run: impl Fn(&mut Progress<'_>) -> Result<(), Error>) {
+    let mut heard: Vec<(Stage, f64)> = vec![];
+    let listener = |stage, fraction| {
+        heard.push((stage, fraction));
+        true
+    };
+    run(&mut Progress::new(listener)).expect("not stopped");
+    assert!(heard.windows(2).all(|w| w[0] <= w[1]), "stages in order, fractions growing: {heard:?}");
+    assert!(stages.iter().all(|stage| heard.iter().any(|(s, _)| s == stage)), "{heard:?}");
+    for (stop, (stage, _)) in heard.iter().enumerate() {
+        let mut calls = 0;
+        let listener = |_, _| {
+            calls += 1;
+            calls <= stop
+        };
+        let error = run(&mut Progress::new(listener)).expect_err("stopped");
+        assert!(matches!(error, Error::Cancelled(_)), "{error:?}");
+        assert_eq!((error.code(), calls), ("cancelled", stop + 1), "{stage:?}");
+        assert_eq!(error.details(), serde_json::json!({ "stage": stage }));
+    }
+}
+
+#[test]
+fn every_stage_is_heard_of_and_a_stop_there_stops() {
+    let shape = body("man-standing.ply");
+    let options = PrepareOptions { points: 400, eigenpairs: 60, ..as_cloud() };
+    let whole = prepared(shape.clone(), &options);
+    let stages = [Stage::Sample, Stage::Graph, Stage::Laplacian, Stage::Spectrum, Stage::Features];
+    assert_stops(&stages, |progress| prepare(shape.clone(), None, &options, progress).map(|_| ()));
+    let options = MatchOptions::default();
+    let stages = [Stage::FunctionalMap, Stage::Refine, Stage::Correspondence];
+    assert_stops(&stages, |progress| {
+        pollster::block_on(match_shapes(&Cpu, &whole, &whole, &options, progress)).map(|_| ())
+    });
+}
+
+#[test]
+fn a_prepared_shape_comes_back_from_its_bytes() {
+    let cloud = prepared(fibonacci_sphere(300).shape(), &PrepareOptions { points: 100, ..quick() });
+    for shape in [&*SMALL, &*BODY, &cloud] {
+        let back = PreparedShape::from_bytes(&shape.to_bytes().expect("bytes")).expect("a prepared shape");
+        assert_eq!((&back.info, &back.repairs), (&shape.info, &shape.repairs));
+        assert!(back.basis == shape.basis && back.features == shape.features);
+        assert!((&back.samples, &back.nearest, &back.coarse) == (&shape.samples, &shape.nearest, &shape.coarse));
+        assert!(back.shape.points() == shape.shape.points() && back.shape.faces() == shape.shape.faces());
+        assert!(back.shape.labels() == shape.shape.labels());
+    }
+    let back = PreparedShape::from_bytes(&SMALL.to_bytes().expect("bytes")).expect("a prepared shape");
+    let options = MatchOptions::default();
+    let [one, other] = [&*SMALL, &back].map(|shape| matched_with(shape, &BODY, &options).expect("a match"));
+    assert_eq!(one.a_to_b, other.a_to_b, "and matches as before");
+}
+
+/// A block that is no longer what was written is refused, or at least can be matched without a panic.
+fn survive(bytes: &[u8]) -> Result<(), BlockError> {
+    let shape = PreparedShape::from_bytes(bytes)?;
+    for (a, b) in [(&shape, &*SMALL), (&*SMALL, &shape)] {
+        if let Ok(found) = matched_with(a, b, &MatchOptions { landmarks: vec![[0, 0]], ..Default::default() }) {
+            assert_eq!(found.a_to_b.target.len(), a.shape.points().len());
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_block_cut_anywhere_is_refused() {
+    let bytes = BODY.to_bytes().expect("bytes");
+    for end in (0..bytes.len()).step_by(1000).chain(bytes.len() - 20..bytes.len()) {
+        let error = PreparedShape::from_bytes(&bytes[..end]).expect_err("cut short");
+        assert_eq!(error.code(), "invalid-block", "cut at {end}");
+    }
+    let small = SMALL.to_bytes().expect("bytes");
+    for end in 0..small.len().min(4000) {
+        assert!(PreparedShape::from_bytes(&small[..end]).is_err(), "cut at {end}");
+    }
+}
+
+#[test]
+fn a_block_with_flipped_bytes_never_panics() {
+    let bytes = SMALL.to_bytes().expect("bytes");
+    let header = 8 + u64::from_le_bytes(bytes[..8].try_into().expect("eight")) as usize;
+    let mut random = Random(12);
+    let mut refused = 0;
+    for round in 0..500 {
+        let mut broken = bytes.clone();
+        // A third in the header, where every byte has a meaning.
+        let at = random.below(if round % 3 == 0 { header } else { bytes.len() });
+        broken[at] ^= 1 << random.below(8);
+        if round % 2 == 0 {
+            broken[at] = random.bits() as u8;
+        }
+        refused += usize::from(survive(&broken).is_err());
+    }
+    println!("{refused} of 500 broken blocks refused");
+    assert!(refused > 100, "{refused}");
+}
+
+#[test]
+fn bytes_that_were_never_a_block_are_refused() {
+    let mut other_version = SMALL.to_bytes().expect("bytes");
+    let at = other_version.windows(16).position(|w| w == b"geose-prepared 1").expect("the format");
+    other_version[at + 15] = b'2';
+    let huge = [&u64::MAX.to_le_bytes()[..], &[b'{'; 100]].concat();
+    let empty = [&2u64.to_le_bytes()[..], b"{}"].concat();
+    for bytes in [&[][..], b"ply\nformat ascii 1.0\n", &[0; 64], &huge, &empty, &other_version] {
+        let error = PreparedShape::from_bytes(bytes).expect_err("refused");
+        assert_eq!(error.code(), "invalid-block");
+        assert!(error.to_string().len() > 40, "a sentence: {error}");
+    }
+}
+
+#[test]
+fn small_shapes_match() {
+    let ball = |n| prepared(fibonacci_sphere(n).moved(|[x, y, z]| [1.7 * x, 1.2 * y, z]).shape(), &quick());
+    let mesh = prepared(blob(2).shape(), &quick());
+    for n in [50, 61, 200] {
+        let cloud = ball(n);
+        assert_eq!(cloud.info.eigenpairs, 60.min(n - 2));
+        assert_match(&format!("{n} points with themselves"), &cloud, &cloud);
+        assert_match(&format!("{n} points with a mesh"), &cloud, &mesh);
+    }
+    let few = prepared(blob(2).shape(), &PrepareOptions { eigenpairs: 10, ..quick() });
+    assert_match("10 eigenpairs", &few, &mesh);
+}
+
+#[test]
+fn sampled_meshes_and_clouds_give_every_uploaded_point_a_target() {
+    let shape = body("woman-striding.ply");
+    let sampled =
+        |shape: &Shape, options: PrepareOptions| prepared(shape.clone(), &PrepareOptions { points: 1000, ..options });
+    let mesh = sampled(&shape, quick());
+    let cloud = sampled(&shape, PrepareOptions { eigenpairs: 60, ..as_cloud() });
+    assert_eq!((mesh.points_used(), mesh.info.kind, mesh.basis.len()), (1000, ShapeKind::Mesh, 5000));
+    assert_eq!((cloud.points_used(), cloud.info.kind, cloud.basis.len()), (1000, ShapeKind::Cloud, 1000));
+    let other = prepared(blob(3).shape(), &quick());
+    let distances = EdgeDistances::new(&shape);
+    for (name, a, b) in
+        [("sampled mesh", &mesh, &mesh), ("mesh and cloud", &mesh, &cloud), ("cloud and mesh", &cloud, &mesh)]
+    {
+        let found = assert_match(name, a, b);
+        let pairs: Vec<_> = found.a_to_b.target.iter().copied().zip(0..).collect();
+        let error = mean_error(&distances, &pairs);
+        println!("{name}, 1000 of 5000: {error:.2}");
+        // Half the spacing of 1000 samples is about 1.6 already.
+        assert!(error < 4.0, "{name}: {error}");
+    }
+    assert_match("sampled with whole", &cloud, &other);
+    assert_match("whole with sampled", &other, &mesh);
+}
+
+#[test]
+fn up_to_half_as_many_points_again_stay_whole() {
+    let shape = fibonacci_sphere(150).shape();
+    let used = |points| prepared(shape.clone(), &PrepareOptions { points, eigenpairs: 10, ..quick() }).points_used();
+    assert_eq!([100, 99, 150, 50].map(used), [150, 99, 150, 50]);
+}
+
+#[test]
+fn vertices_without_faces_and_several_pieces_still_have_targets() {
+    let mut stray = blob(3);
+    stray.points.splice(0..0, [[5.0, 5.0, 5.0]]);
+    stray.faces.iter_mut().flatten().for_each(|i| *i += 1);
+    stray.points.extend([[0.0, 3.0, 0.0], [-4.0, 0.0, 0.0]]);
+    let pieces = blob(3).beside(&icosphere(2).moved(|[x, y, z]| [0.4 * x + 5.0, 0.4 * y, 0.4 * z]));
+    let (whole, stray, pieces) =
+        (prepared(blob(3).shape(), &quick()), prepared(stray.shape(), &quick()), prepared(pieces.shape(), &quick()));
+    assert_eq!([&whole, &stray, &pieces].map(|p| p.info.pieces), [1, 1, 2]);
+    for (name, other) in [("strays", &stray), ("pieces", &pieces)] {
+        assert_match(name, &whole, other);
+        assert_match(name, other, &whole);
+        assert_match(name, other, other);
+    }
+    assert!(matched(&whole, &pieces).warnings.iter().any(|w| w.contains("2 pieces")));
+    // Nothing is ever matched onto a vertex that is not part of the surface.
+    let onto_strays = matched(&whole, &stray).a_to_b.target;
+    assert!(onto_strays.iter().all(|&t| t != 0 && t <= whole.shape.points().len() as u32));
+}
+
+#[test]
+fn thirty_identical_pieces_prepare_and_match() {
+    let mut many = Soup { points: vec![], faces: vec![] };
+    for i in 0..30 {
+        many =
+            many.beside(&icosphere(1).moved(|[x, y, z]| [x + 3.0 * f64::from(i % 6), y + 3.0 * f64::from(i / 6), z]));
+    }
+    let many = prepared(many.shape(), &quick());
+    assert_eq!(many.info.pieces, 30);
+    assert_match("thirty balls", &many, &many);
+}
+
+#[test]
+fn options_out_of_range_are_refused() {
+    let shape = fibonacci_sphere(100).shape();
+    let defaults = PrepareOptions::default();
+    let bad = [
+        PrepareOptions { points: 0, ..defaults.clone() },
+        PrepareOptions { points: 49, ..defaults.clone() },
+        PrepareOptions { eigenpairs: 0, ..defaults.clone() },
+        PrepareOptions { eigenpairs: 9, ..defaults.clone() },
+        PrepareOptions { eigenpairs: 1001, ..defaults.clone() },
+    ];
+    for options in bad {
+        let error = prepare(shape.clone(), None, &options, &mut Progress::silent()).expect_err("refused");
+        assert_eq!(error.code(), "invalid-option", "{options:?}");
+    }
+    let cotangent = PrepareOptions { laplacian: Some(LaplacianKind::Cotangent), ..defaults };
+    let error = prepare(shape, None, &cotangent, &mut Progress::silent()).expect_err("refused");
+    assert_eq!(error.code(), "needs-faces");
+}
+
+#[test]
+fn match_options_that_cannot_be_are_refused() {
+    let small = &*SMALL;
+    let bare = prepared(blob(2).shape(), &quick());
+    let refused = |a: &PreparedShape, b: &PreparedShape, options: MatchOptions| {
+        matched_with(a, b, &options).map(|_| ()).expect_err("refused")
+    };
+    let n = small.shape.points().len() as u32;
+    for pair in [[n, 0], [0, 162], [u32::MAX, 0]] {
+        let error = refused(small, &bare, MatchOptions { landmarks: vec![[0, 0], pair], ..Default::default() });
+        assert_eq!(error.code(), "invalid-option", "{pair:?}");
+    }
+    let predicted = refused(small, small, MatchOptions { parts: Parts::Predicted, ..Default::default() });
+    assert_eq!(predicted.code(), "not-in-build");
+    let given = refused(small, &bare, MatchOptions { parts: Parts::Given, ..Default::default() });
+    assert_eq!((given.code(), given.details()["scan"].as_str()), ("no-labels", Some("b")));
+}
+
+#[test]
+fn every_laplacian_and_refinement_matches() {
+    let [a, b] = [blob(3), blob(3).moved(turn)].map(|s| s.shape());
+    for kind in LaplacianKind::ALL {
+        let options = PrepareOptions { laplacian: Some(kind), ..quick() };
+        let [a, b] = [&a, &b].map(|s| prepared(s.clone(), &options));
+        assert_eq!(a.info.laplacian, kind);
+        for refine in [Refinement::None, Refinement::ZoomOut, Refinement::Best] {
+            let found = matched_with(&a, &b, &MatchOptions { refine, ..Default::default() }).expect("a match");
+            assert_whole(kind.name(), &found.a_to_b, &a, &b);
+            let right = found.a_to_b.target.iter().zip(0..).filter(|&(&t, i)| t == i).count();
+            println!("{kind}, {refine:?}: {right} of {} points right", a.points_used());
+        }
+    }
+}
+
+#[test]
+fn four_faust_scans_load_prepare_and_match_where_they_are() {
+    let Some(set) = std::env::var_os("GEOSE_EVAL_DIR").map(|d| PathBuf::from(d).join("faust_r")).filter(|d| d.exists())
+    else {
+        println!("no evaluation set: nothing measured");
+        return;
+    };
+    let load = |name: &str| {
+        let shape = scan(&set.join(format!("shapes/{name}.off")));
+        let truth = std::fs::read_to_string(set.join(format!("corres/{name}.vts"))).expect("ground truth");
+        let truth: Vec<u32> = truth.split_whitespace().map(|v| v.parse::<u32>().expect("a vertex") - 1).collect();
+        (shape, truth)
+    };
+    for (a, b) in [("tr_reg_080", "tr_reg_094"), ("tr_reg_085", "tr_reg_091")] {
+        let ((shape_a, truth_a), (shape_b, truth_b)) = (load(a), load(b));
+        let distances = EdgeDistances::new(&shape_b);
+        for (name, options) in [("mesh", PrepareOptions::default()), ("cloud", as_cloud())] {
+            let (a_prepared, b_prepared) = (prepared(shape_a.clone(), &options), prepared(shape_b.clone(), &options));
+            let found = assert_match(name, &a_prepared, &b_prepared);
+            let pairs: Vec<_> =
+                truth_a.iter().zip(&truth_b).map(|(&i, &j)| (found.a_to_b.target[i as usize], j)).collect();
+            let error = mean_error(&distances, &pairs);
+            println!("{a} onto {b} as {name}: {error:.2} (×100/√area)");
+            assert!(error.is_finite());
+        }
+    }
+}
