@@ -9,8 +9,32 @@ const ROWS: usize = 4;
 /// Queries that stay in cache while all candidates pass.
 const TILE: usize = 64;
 
-/// For each row of `x` the nearest row of `y`, and the other way round. ‖x − y‖² = ‖x‖² + ‖y‖² − 2 x·y; ties go to the lower index.
+/// For each row of `x` the nearest row of `y`, and the other way round, with the widest vectors of the machine.
+///
+/// Compiled for plain x86-64 it did 22 GFlop/s by itself but 6 in the middle of a match, probably because faer leaves the upper halves of
+/// wide registers in use. This way a match of two bodies of 5000 points takes 1.2 s natively instead of 7, with the same bytes.
 pub(super) fn nearest_rows(x: ArrayView2<f32>, y: ArrayView2<f32>) -> (Vec<u32>, Vec<u32>) {
+    pulp::Arch::new().dispatch(Comparison { x, y })
+}
+
+/// The work as pulp wants it. A closure would not be inlined, and so be compiled for the plain instruction set after all.
+struct Comparison<'a> {
+    x: ArrayView2<'a, f32>,
+    y: ArrayView2<'a, f32>,
+}
+
+impl pulp::WithSimd for Comparison<'_> {
+    type Output = (Vec<u32>, Vec<u32>);
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        compare(self.x, self.y)
+    }
+}
+
+/// For each row of `x` the nearest row of `y`, and the other way round. ‖x − y‖² = ‖x‖² + ‖y‖² − 2 x·y; ties go to the lower index.
+#[inline(always)]
+fn compare(x: ArrayView2<f32>, y: ArrayView2<f32>) -> (Vec<u32>, Vec<u32>) {
     assert_eq!(x.ncols(), y.ncols(), "rows to compare have one length");
     let (n, m, d) = (x.nrows(), y.nrows(), x.ncols());
     let queries = pad(x, ROWS);
@@ -49,6 +73,7 @@ pub(super) fn nearest_rows(x: ArrayView2<f32>, y: ArrayView2<f32>) -> (Vec<u32>,
 }
 
 /// Dot products of ROWS queries (each d long) with the LANES candidates of a panel (d, LANES).
+#[inline(always)]
 fn products(queries: &[f32], panel: &[f32], d: usize) -> [[f32; LANES]; ROWS] {
     let mut sums = [[0.0; LANES]; ROWS];
     let (first, rest) = queries.split_at(d);
