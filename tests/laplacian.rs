@@ -170,9 +170,9 @@ fn a_cotangent_laplacian_of_right_angles_is_the_five_point_stencil() {
     let (n, m) = (12, 15);
     let operator = laplacian(&sheet(n, m).shape(), LaplacianKind::Cotangent);
     let rows = dense(&operator.matrix);
-    for i in 0..(n * m) as usize {
+    for (i, row) in rows.iter().enumerate() {
         let (x, y) = (i as u32 / m, i as u32 % m);
-        for j in 0..(n * m) as usize {
+        for (j, &entry) in row.iter().enumerate() {
             let (u, v) = (j as u32 / m, j as u32 % m);
             // 1 inside, ½ along the boundary, 0 across the squares: the cotangents of 45° and 90°.
             let along_boundary = (x == u && (x == 0 || x == n - 1)) || (y == v && (y == 0 || y == m - 1));
@@ -182,7 +182,7 @@ fn a_cotangent_laplacian_of_right_angles_is_the_five_point_stencil() {
                 _ => 0.0,
             };
             if i != j {
-                assert!((rows[i][j] + weight).abs() <= 1e-12, "({x}, {y}) to ({u}, {v}): {}", rows[i][j]);
+                assert!((entry + weight).abs() <= 1e-12, "({x}, {y}) to ({u}, {v}): {entry}");
             }
         }
     }
