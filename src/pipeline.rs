@@ -265,7 +265,7 @@ fn longest_axis(points: &[[f64; 3]]) -> Option<Axis> {
 
 fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
     let mut warnings =
-        vec!["matched without a trained network: symmetric parts may be exchanged when the poses differ".to_owned()];
+        vec!["matched without a trained network: where the poses differ, limbs or the whole body may be matched the wrong way round, also at high confidence".to_owned()];
     for (scan, shape) in [("a", a), ("b", b)] {
         if shape.info.pieces > 1 {
             warnings
