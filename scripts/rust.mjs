@@ -9,7 +9,7 @@ const TARGET = 'wasm32-unknown-unknown';
 const PACKAGES = ['rustc-web', 'cargo-web', 'rust-web-src', 'rust-web-clippy', 'lld-22'];
 /** Where Debian's compiler looks for the std of a target. */
 const DEBIAN_STD = `/usr/lib/rustlib/${TARGET}/lib`;
-/** Written last, with the version of the compiler that built the std beside it. */
+/** Written last, with what the std beside it was built from and how. */
 const MARKER = path.join(DEBIAN_STD, 'built-by');
 /** Debian ships no rust-lld, and its compiler is known to rustup by this name. */
 const DEBIAN = { RUSTUP_TOOLCHAIN: 'debian', CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER: 'wasm-ld-22' };
@@ -46,18 +46,21 @@ function hasTarget() {
   return sysroot !== null && hasStd(path.join(sysroot, 'lib/rustlib', TARGET, 'lib'));
 }
 
+/** What the marker says when the std fits the compiler and the way it is built here. */
+const mark = (version) => `${version}, paths trimmed`;
+
 const hasStd = (folder) => existsSync(folder) && readdirSync(folder).some((name) => /^libstd-.*\.rlib$/.test(name));
 
 function debianIsReady() {
   const version = output('/usr/bin/rustc', ['--version']);
-  const ready = version !== null && existsSync(MARKER) && output('cat', [MARKER]) === version;
+  const ready = version !== null && existsSync(MARKER) && output('cat', [MARKER]) === mark(version);
   return ready && output('rustc', ['--version'], { env: environment([], DEBIAN) }) === version;
 }
 
 function installDebian() {
   ensurePackages(PACKAGES, `A compiler for ${TARGET} is missing`);
   const version = output('/usr/bin/rustc', ['--version']);
-  if (!existsSync(MARKER) || output('cat', [MARKER]) !== version) buildStd(version);
+  if (!existsSync(MARKER) || output('cat', [MARKER]) !== mark(version)) buildStd(version);
   run('rustup', ['toolchain', 'link', DEBIAN.RUSTUP_TOOLCHAIN, '/usr']);
 }
 
@@ -77,13 +80,15 @@ function buildStd(version) {
     CARGO_TARGET_DIR: path.join(crate, 'target'),
   });
   const std = ['-Z', 'build-std=std,panic_abort,panic_unwind,test'];
-  run('/usr/bin/cargo', ['build', '--release', '--target', TARGET, ...std], { env, cwd: crate });
+  // Its panics would name the folders of this machine in every module linked with it.
+  const trimmed = ['-Z', 'trim-paths', '--config', 'profile.release.trim-paths="all"'];
+  run('/usr/bin/cargo', ['build', '--release', '--target', TARGET, ...std, ...trimmed], { env, cwd: crate });
   const built = path.join(crate, 'target', TARGET, 'release/deps');
   rmSync(DEBIAN_STD, { recursive: true, force: true });
   mkdirSync(DEBIAN_STD, { recursive: true });
   for (const name of readdirSync(built)) {
     if (name.endsWith('.rlib') && !name.startsWith('libempty-')) cpSync(path.join(built, name), path.join(DEBIAN_STD, name));
   }
-  writeFileSync(MARKER, `${version}\n`);
+  writeFileSync(MARKER, `${mark(version)}\n`);
   rmSync(crate, { recursive: true, force: true });
 }

@@ -1,7 +1,10 @@
 // Everything the builds and tests need beyond Rust and Node. Run by itself it installs all of it and says what was found.
+import { existsSync, readdirSync } from 'node:fs';
+import { homedir } from 'node:os';
+import path from 'node:path';
 import { ensureChromium, writeWebdriver } from './chromium.mjs';
 import { ensureNodeModules } from './npm.mjs';
-import { environment, main } from './run.mjs';
+import { environment, main, run } from './run.mjs';
 import { wasmRust } from './rust.mjs';
 import { ensureTools, toolFolders } from './tools.mjs';
 
@@ -10,10 +13,20 @@ export function wasmEnvironment() {
   ensureNodeModules();
   const rust = wasmRust();
   ensureTools();
-  // Cargo would take RUSTFLAGS instead of those in .cargo/config.toml.
-  const { RUSTFLAGS, ...env } = environment(toolFolders, rust);
-  if (RUSTFLAGS) console.log(`not used for wasm32: RUSTFLAGS=${RUSTFLAGS}`);
-  return env;
+  const env = environment(toolFolders, rust);
+  if (env.RUSTFLAGS) console.log(`not used for wasm32: RUSTFLAGS=${env.RUSTFLAGS}`);
+  return { ...env, CARGO_ENCODED_RUSTFLAGS: [SIMD, ...withoutPaths(env)].join('\x1f') };
+}
+
+/** As in .cargo/config.toml, which serves whoever calls cargo without these scripts: flags from the environment replace those. */
+const SIMD = '-Ctarget-feature=+simd128';
+
+/** Flags under which the sentences of panics name the files of dependencies without the folders of this machine. */
+function withoutPaths(env) {
+  const sources = path.join(env.CARGO_HOME ?? path.join(homedir(), '.cargo'), 'registry/src');
+  run('cargo', ['fetch', '--quiet', '--locked', '--target', 'wasm32-unknown-unknown'], { env });
+  const registries = existsSync(sources) ? readdirSync(sources) : [];
+  return registries.map((registry) => `--remap-path-prefix=${path.join(sources, registry)}=/crates`);
 }
 
 await main(import.meta, () => {

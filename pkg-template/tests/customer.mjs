@@ -25,3 +25,43 @@ export async function matchScans(Matcher, bytesA, bytesB) {
   const seconds = { prepare: [a.info.seconds, b.info.seconds], match: report.seconds };
   return { map: [[...targetOf], [...reverse.targetOf], [...confidence]], seconds, memory: report.peakMemoryBytes };
 }
+
+/**
+ * Matches two scans, each stage cancelled once in the middle of its work; tells the milliseconds from abort to rejection.
+ * What is matched in the end is the same as before.
+ */
+export async function cancelEverywhere(Matcher, bytesA, bytesB) {
+  const matcher = await Matcher.create();
+  const heard = new Set();
+  const a = await matcher.prepare(bytesA, { onProgress: ({ stage }) => heard.add(`prepare ${stage}`) });
+  const b = await matcher.prepare(bytesB);
+  const before = await matcher.match(a, b, { onProgress: ({ stage }) => heard.add(`match ${stage}`) });
+  const times = {};
+  for (const place of heard) {
+    const [call, wanted] = place.split(' ');
+    const controller = new AbortController();
+    let [heardOf, aborted] = [false, null];
+    const abort = () => {
+      aborted = performance.now();
+      controller.abort();
+    };
+    const onProgress = ({ stage }) => {
+      if (stage !== wanted || heardOf) return;
+      heardOf = true;
+      // Reading a file is over at once; elsewhere 20 ms later a piece of work is under way that no message interrupts.
+      if (stage === 'read') abort();
+      else setTimeout(abort, 20);
+    };
+    const control = { signal: controller.signal, onProgress };
+    const code = await (call === 'prepare' ? matcher.prepare(bytesA, control) : matcher.match(a, b, control)).then(
+      () => 'settled before it was cancelled',
+      (error) => error.code,
+    );
+    if (code !== 'cancelled') throw new Error(`${place}: ${code}`);
+    times[place] = performance.now() - aborted;
+  }
+  const { targetOf } = await matcher.match(a, b);
+  matcher.dispose();
+  if (targetOf.some((target, i) => target !== before.targetOf[i])) throw new Error('another map after cancelling');
+  return times;
+}

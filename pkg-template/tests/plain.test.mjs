@@ -30,6 +30,17 @@ describe('a page without any bundler', () => {
     }
   }
 
+  /** Visits a page that calls one of the customer's functions with two scans. */
+  const visitedWith = (name, bytesA, bytesB) => {
+    const main = `
+      import { Matcher } from './vendor/index.js';
+      import { ${name} } from './customer.mjs';
+      const fetched = async (file) => new Uint8Array(await (await fetch(file)).arrayBuffer());
+      window.outcome = await ${name}(Matcher, await fetched('a.ply'), await fetched('b.ply')).catch((error) => ({ error: String(error) }));
+    `;
+    return visited({}, { files: { 'main.js': main, 'a.ply': bytesA, 'b.ply': bytesB } });
+  };
+
   test('expects a map, a cancelled call and a trapped one', () => {
     assert.equal(expected.cancelled, 'cancelled');
     assert.equal(expected.trapped, 'crashed');
@@ -51,17 +62,19 @@ describe('a page without any bundler', () => {
   test('gives for two bodies of 5000 points the bytes Node gives', async (t) => {
     const scans = [sample('woman-standing'), sample('man-lunging')];
     const inNode = await matchScans((await installedPackage()).Matcher, ...scans);
-    const main = `
-      import { Matcher } from './vendor/index.js';
-      import { matchScans } from './customer.mjs';
-      const fetched = async (file) => new Uint8Array(await (await fetch(file)).arrayBuffer());
-      window.outcome = await matchScans(Matcher, await fetched('a.ply'), await fetched('b.ply')).catch((error) => ({ error: String(error) }));
-    `;
-    const { outcome } = await visited({}, { files: { 'main.js': main, 'a.ply': scans[0], 'b.ply': scans[1] } });
+    const { outcome } = await visitedWith('matchScans', ...scans);
     assert.deepEqual(outcome.map, inNode.map, outcome.error);
     for (const [where, { seconds, memory }] of Object.entries({ Node: inNode, browser: outcome })) {
       t.diagnostic(`${where}: ${JSON.stringify(seconds)}, ${(memory / 2 ** 20).toFixed(1)} MiB`);
     }
+  });
+
+  test('settles within 300 ms when cancelled in the middle of any stage, and loses nothing', async (t) => {
+    const { outcome } = await visitedWith('cancelEverywhere', sample('woman-standing'), sample('man-lunging'));
+    assert.equal(outcome.error, undefined);
+    t.diagnostic(JSON.stringify(outcome));
+    assert.ok(Object.keys(outcome).length >= 6);
+    for (const [stage, milliseconds] of Object.entries(outcome)) assert.ok(milliseconds < 300, `${stage}: ${milliseconds} ms`);
   });
 
   test('takes the wasm from a server that does not know its type', async () => {

@@ -1,5 +1,6 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
+import { cancelEverywhere } from './customer.mjs';
 import { installedPackage } from './installed.mjs';
 import { error, moved, sample, shuffled } from './samples.mjs';
 
@@ -83,26 +84,16 @@ describe('real bodies of 5000 points, with default options', () => {
   });
 
   test('cancelling at any stage settles within 300 ms and loses nothing', async (t) => {
-    const calls = {
-      prepare: (control) => matcher.prepare(sample('woman-standing'), control),
-      match: (control) => matcher.match(woman, man, control),
-    };
-    const stages = { prepare: ['sample', 'laplacian', 'spectrum', 'features'], match: ['functional-map', 'refine', 'correspondence'] };
-    for (const [name, call] of Object.entries(calls)) {
-      for (const wanted of stages[name]) {
-        const controller = new AbortController();
-        let aborted;
-        const onProgress = ({ stage }) => {
-          if (stage !== wanted || aborted) return;
-          // In the middle of the next piece of work, which no message interrupts.
-          aborted = new Promise((resolve) => setTimeout(() => resolve(performance.now()) ?? controller.abort(), 20));
-        };
-        await assert.rejects(call({ signal: controller.signal, onProgress }), { code: 'cancelled' });
-        const milliseconds = performance.now() - (await aborted);
-        t.diagnostic(`${name}, ${wanted}: ${milliseconds.toFixed(1)} ms`);
-        assert.ok(milliseconds < 300);
-      }
-    }
-    assert.deepEqual((await matcher.match(woman, man)).targetOf, match.targetOf);
+    const times = await cancelEverywhere(Matcher, sample('woman-standing'), sample('man-standing'));
+    t.diagnostic(JSON.stringify(times));
+    for (const [stage, milliseconds] of Object.entries(times)) assert.ok(milliseconds < 300, `${stage}: ${milliseconds} ms`);
+  });
+
+  test('thirty matches need no more memory than three', async (t) => {
+    const peaks = [];
+    for (let i = 0; i < 30; i++) peaks.push((await matcher.match(woman, man)).report.peakMemoryBytes);
+    t.diagnostic(`${peaks[2]} bytes after 3, ${peaks[29]} after 30`);
+    assert.ok(peaks[2] > 0);
+    assert.equal(peaks[29], peaks[2]);
   });
 });

@@ -49,7 +49,7 @@ after(async () => {
   if (folder) await rm(folder, { recursive: true });
 });
 
-test('two files dropped at once are matched as well as the native program matches them', async () => {
+test('two files dropped at once are matched as the native program matches them', async (t) => {
   const { names, targetOf, positions, faces } = await page.evaluate(() => {
     const { match, shapes } = window.geose;
     const { positions, faces } = shapes[1].geometry();
@@ -67,6 +67,9 @@ test('two files dropped at once are matched as well as the native program matche
   assert.equal(targetOf.length, nativeTargets.length);
   const matchedShare = targetOf.filter((target) => target !== unmatched).length / targetOf.length;
   assert.ok(matchedShare > 0.95, `only ${matchedShare} of the points are matched`);
+  const same = targetOf.filter((target, i) => target === nativeTargets[i]).length / targetOf.length;
+  t.diagnostic(`${(100 * same).toFixed(2)} % of the points go where the native program sends them`);
+  assert.ok(same >= 0.995, `only ${same} of the points go where the native program sends them`);
 
   const surface = surfaceOf(positions, faces);
   const ofPage = meanError(surface, targetOf);
