@@ -58,7 +58,9 @@ pub use device::{Cpu, Device};
 pub use error::Error;
 pub use features::{PointFeatures, wave_kernel_signature};
 pub use fmap::{Correspondence, EdgeDistances, FunctionalMap, Matchable, Refinement, UNMATCHED, mean_error};
-pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
+pub use graph::{
+    BoundedDijkstra, EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine,
+};
 pub use operators::{GaussianParams, Laplacian, LaplacianKind, OperatorError, laplacian};
 pub use options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 pub use pipeline::{Match, match_shapes, prepare};

@@ -10,13 +10,13 @@ use crate::operators::LaplacianKind;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct PrepareOptions {
-    /// Points that take part in the matching; up to 1.5 times as many stay whole.
+    /// Points that take part in the matching, 50 to 2 million; up to 1.5 times as many stay whole.
     pub points: usize,
     /// Whether faces count, or the scan is taken as a cloud.
     pub faces: FaceUse,
     /// Which Laplacian; by default cotangents on meshes and the geodesic one on clouds.
     pub laplacian: Option<LaplacianKind>,
-    /// Eigenpairs k of the basis (paper: 120).
+    /// Eigenpairs k of the basis, 10 to 1000 (paper: 120).
     pub eigenpairs: usize,
     /// The axis that points up, where it is known; only shown so far, since matching does not depend on it.
     pub up: Option<Axis>,
@@ -29,10 +29,10 @@ impl Default for PrepareOptions {
 }
 
 impl PrepareOptions {
-    /// Fewest points and eigenpairs that make a map, and the most eigenpairs.
+    /// Fewest points and eigenpairs that make a map, and the most that can be meant.
     pub fn check(&self) -> Result<(), OptionError> {
-        if self.points < 50 {
-            return Err(OptionError::out_of_range("points", self.points, "at least 50"));
+        if !(50..=2_000_000).contains(&self.points) {
+            return Err(OptionError::out_of_range("points", self.points, "between 50 and 2000000"));
         }
         if !(10..=1000).contains(&self.eigenpairs) {
             return Err(OptionError::out_of_range("eigenpairs", self.eigenpairs, "between 10 and 1000"));
@@ -109,6 +109,16 @@ impl OptionError {
             code: "invalid-option",
             message: format!("{option} must be {range}, and {value} was asked for"),
             details: json!({ "option": option, "value": value }),
+        }
+    }
+
+    pub(crate) fn mesh_too_large(vertices: usize, limit: usize) -> Self {
+        Self {
+            code: "invalid-option",
+            message: format!(
+                "cotangents are for meshes of up to {limit} vertices, and this one has {vertices}: leave the choice open or take \"geodesic\""
+            ),
+            details: json!({ "vertices": vertices, "limit": limit }),
         }
     }
 

@@ -1,23 +1,23 @@
 //! The method, in order. The only file that knows it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use ndarray::Array2;
+use ndarray::{Array2, Axis as Along, concatenate};
 
 use crate::device::Device;
 use crate::error::Error;
 use crate::features::wave_kernel_signature;
-use crate::fmap::{Correspondence, FunctionalMap, Matchable, initial_maps, landmark_functions, one_hot_parts, refine};
+use crate::fmap::{
+    COARSE, Correspondence, FunctionalMap, Matchable, initial_maps, landmark_functions, part_functions, refine,
+};
 use crate::graph::components;
 use crate::operators::{self, Laplacian, LaplacianKind};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 use crate::prepared::{Info, PreparedShape, ShapeKind};
 use crate::progress::{Progress, Stage};
-use crate::shape::{Repair, Shape, farthest_points, nearest_samples};
+use crate::shape::{MIN_POINTS, Repair, Shape, ShapeError, farthest_points, nearest_samples};
 use crate::spectrum::{SpectralBasis, check_size, spectrum};
 
-/// Points of the even sampling that refinement iterates on.
-const COARSE: usize = 2000;
 /// Meshes beyond this many vertices are matched as clouds of their samples.
 const MESH_LIMIT: usize = 30_000;
 
@@ -50,22 +50,53 @@ pub fn prepare(
     options.check()?;
     let as_read = shape;
     let mut repairs = as_read.repairs().to_vec();
+    let n = as_read.points().len();
+    let in_faces = surface_points(&as_read).len();
     let used_shape = match options.faces {
+        FaceUse::Use if 2 * in_faces >= n => as_read.welded(),
+        FaceUse::Use => {
+            let message = format!("only {in_faces} of {n} points belong to a face: the scan was taken as a cloud");
+            repairs.push(Repair::noted("faces-set-aside", as_read.faces().len(), message));
+            as_read.clone().without_faces()
+        }
         FaceUse::Ignore => as_read.clone().without_faces(),
-        FaceUse::Use => as_read.welded(),
     };
 
     progress.at(Stage::Sample, 0.0)?;
-    let n = used_shape.points().len();
     let surface = surface_points(&used_shape);
+    if surface.len() < MIN_POINTS {
+        return Err(ShapeError::TooFewPoints { found: surface.len(), needed: MIN_POINTS }.into());
+    }
     let whole = surface.len() <= options.points + options.points / 2;
+    // A mesh keeps its own operator; a cloud, or a mesh too large for that, gets the operator of its samples.
+    let on_mesh = !used_shape.faces().is_empty() && (whole || n <= MESH_LIMIT);
+    let kind = options.laplacian.unwrap_or(if on_mesh { LaplacianKind::Cotangent } else { LaplacianKind::Geodesic });
+    if kind == LaplacianKind::Cotangent && !on_mesh && !used_shape.faces().is_empty() {
+        return Err(OptionError::mesh_too_large(n, MESH_LIMIT).into());
+    }
+    let on_all_points = (whole && surface.len() == n) || (on_mesh && kind == LaplacianKind::Cotangent);
+    let operator_points = if on_all_points {
+        n
+    } else if whole {
+        surface.len()
+    } else {
+        options.points
+    };
+    check_size(operator_points, options.eigenpairs)?;
+    let mut sampled = |points: &[[f64; 3]], allowed: &[u32], count: usize| {
+        farthest_points(points, allowed, count, &mut |done| progress.at(Stage::Sample, done))
+    };
     let samples = match (whole, surface.len() == n) {
         (true, true) => None,
         (true, false) => Some(surface.clone()),
-        (false, _) => Some(farthest_points(used_shape.points(), &surface, options.points)),
+        (false, _) => Some(sampled(used_shape.points(), &surface, options.points)?),
     };
-    // A mesh keeps its own operator; a cloud, or a mesh too large for that, gets the operator of its samples.
-    let on_mesh = !used_shape.faces().is_empty() && (samples.is_none() || n <= MESH_LIMIT);
+    let used: Vec<[f64; 3]> = match &samples {
+        Some(samples) => samples.iter().map(|&i| used_shape.points()[i as usize]).collect(),
+        None => used_shape.points().to_vec(),
+    };
+    let coarse = sampled(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE)?;
+    let nearest = samples.as_ref().map(|samples| nearest_samples(used_shape.points(), samples));
     if !used_shape.faces().is_empty() && !on_mesh {
         let message = format!(
             "the mesh has {n} vertices, more than {MESH_LIMIT}: it was matched as a cloud of {} samples",
@@ -73,13 +104,10 @@ pub fn prepare(
         );
         repairs.push(Repair::noted("mesh-taken-as-cloud", n, message));
     }
-    let kind = options.laplacian.unwrap_or(if on_mesh { LaplacianKind::Cotangent } else { LaplacianKind::Geodesic });
-    let on_all_points = samples.is_none() || (on_mesh && kind == LaplacianKind::Cotangent);
     let operator_shape = match &samples {
         Some(samples) if !on_all_points => used_shape.at(samples)?,
         _ => used_shape.clone(),
     };
-    check_size(operator_shape.points().len(), options.eigenpairs)?;
 
     let laplacian = operators::laplacian(&operator_shape, kind, progress)?;
     let (mut basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, options.eigenpairs, progress)?;
@@ -88,22 +116,18 @@ pub fn prepare(
     }
 
     progress.at(Stage::Features, 0.0)?;
-    let area = laplacian.area();
-    let features = wave_kernel_signature(&at_unit_area(&basis, area)).values;
+    let features = wave_kernel_signature(&basis).values;
     let features = match &samples {
         Some(samples) if on_all_points => {
             Array2::from_shape_fn((samples.len(), features.ncols()), |(r, c)| features[(samples[r] as usize, c)])
         }
         _ => features,
     };
-    let rows: Vec<[f64; 3]> = match &samples {
-        Some(samples) => samples.iter().map(|&i| used_shape.points()[i as usize]).collect(),
-        None => used_shape.points().to_vec(),
-    };
-    let everything: Vec<u32> = (0..rows.len() as u32).collect();
-    let coarse = farthest_points(&rows, &everything, COARSE);
-    let nearest = samples.as_ref().map(|samples| nearest_samples(used_shape.points(), samples));
     progress.at(Stage::Features, 1.0)?;
+    if !report.complete {
+        let message = "the eigenvalues are right, but it was not proved that none between them is missing".to_owned();
+        repairs.push(Repair::noted("spectrum-not-proved", basis.k(), message));
+    }
 
     let info = Info {
         kind: if used_shape.faces().is_empty() || !on_mesh { ShapeKind::Cloud } else { ShapeKind::Mesh },
@@ -111,10 +135,10 @@ pub fn prepare(
         points: n,
         faces: as_read.faces().len(),
         pieces: pieces(&laplacian),
-        points_used: rows.len(),
+        points_used: used.len(),
         unit: unit(used_shape.points()),
         up_axis: options.up.or_else(|| longest_axis(used_shape.points())),
-        scale: area.sqrt(),
+        scale: operators::surface_area(&operator_shape, &laplacian).sqrt(),
         laplacian: kind,
         eigenpairs: basis.k(),
         residual: report.residual,
@@ -134,15 +158,19 @@ pub async fn match_shapes<D: Device>(
     progress.at(Stage::FunctionalMap, 0.0)?;
     let parts = match options.parts {
         Parts::Predicted => return Err(OptionError::no_weights().into()),
-        Parts::Given => Some(one_hot_parts(&labels_used(a, "a")?, &labels_used(b, "b")?)),
+        Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
         Parts::None => None,
     };
     let (side_a, side_b) = (a.matchable(), b.matchable());
-    let landmarks = landmarks(a, b, &side_a, &side_b, &options.landmarks)?;
-    let landmarks = landmarks.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
-    let (first, rotation) = initial_maps(device, &side_a, &side_b, landmarks).await;
+    let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
+    let known = [
+        landmarks(a, b, &side_a, &side_b, &options.landmarks)?,
+        parts.map(|(of_a, of_b)| parts_in_common(&side_a, of_a, &side_b, of_b)),
+    ];
+    let known = side_by_side(known.into_iter().flatten());
+    let known = known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
+    let (first, rotation) = initial_maps(device, &side_a, &side_b, known, parts).await;
 
-    let parts = parts.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
     let (a_to_b, b_to_a, maps) =
         refine(device, (&side_a, &side_b), first, &rotation, parts, options.refine, progress).await?;
     let a_to_b = a_to_b.lift(a.nearest.as_deref(), b.samples.as_deref());
@@ -181,18 +209,9 @@ fn carry_to_bare_points(basis: &mut SpectralBasis, points: &[[f64; 3]], surface:
     }
 }
 
-/// λ·A, φ·√A, m/A: the basis as if the surface area A were 1.
-fn at_unit_area(basis: &SpectralBasis, area: f64) -> SpectralBasis {
-    SpectralBasis {
-        eigenvalues: &basis.eigenvalues * area,
-        eigenvectors: &basis.eigenvectors * area.sqrt(),
-        mass: &basis.mass / area,
-    }
-}
-
-/// C of unit-area bases as C of the bases that users hold, whose eigenfunctions are smaller by √area.
+/// C of bases whose masses sum to 1 as C of the bases that users hold.
 fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape) -> Array2<f64> {
-    map * (to.info.scale / from.info.scale)
+    map * (to.basis.mass.sum() / from.basis.mass.sum()).sqrt()
 }
 
 /// Part labels at the points used.
@@ -225,6 +244,19 @@ fn landmarks(
     };
     let (rows_a, rows_b) = (rows(a, "a", 0)?, rows(b, "b", 1)?);
     Ok(Some((landmark_functions(&side_a.basis, &rows_a), landmark_functions(&side_b.basis, &rows_b))))
+}
+
+/// The parts that both shapes have, as functions on both sides.
+fn parts_in_common(side_a: &Matchable, of_a: &[u32], side_b: &Matchable, of_b: &[u32]) -> Functions {
+    let labels = |of: &[u32]| of.iter().copied().collect::<BTreeSet<u32>>();
+    let shared = labels(of_a).intersection(&labels(of_b)).copied().collect();
+    (part_functions(&side_a.basis, of_a, &shared), part_functions(&side_b.basis, of_b, &shared))
+}
+
+/// All columns together; `None` without any.
+fn side_by_side(functions: impl Iterator<Item = Functions>) -> Option<Functions> {
+    let join = |x: Array2<f64>, y: Array2<f64>| concatenate![Along(1), x, y];
+    functions.reduce(|(a, b), (more_a, more_b)| (join(a, more_a), join(b, more_b)))
 }
 
 /// Connected pieces of the surface or neighbourhood graph; points without surface do not count.

@@ -39,7 +39,7 @@ pub struct Info {
     pub unit: Option<String>,
     /// The coordinate axis a standing body would have upright: given, or clearly the longest.
     pub up_axis: Option<options::Axis>,
-    /// √area in the unit of the upload: lengths are divided by it.
+    /// Root of the surface area (a cloud's is estimated) in the unit of the upload: lengths are divided by it.
     pub scale: f64,
     /// The Laplacian in use.
     pub laplacian: LaplacianKind,
@@ -122,15 +122,16 @@ impl PreparedShape {
         for (i, m) in self.basis.mass.iter().enumerate() {
             mass[if at_samples { i } else { self.row_of(i as u32) as usize }] += m;
         }
-        let area: f64 = mass.sum();
-        mass /= area;
+        // Equal to the area for every Laplacian but the literal one, whose masses are counts.
+        let total: f64 = mass.sum();
+        mass /= total;
         let mut points = Array2::from_shape_fn((p, 3), |(row, c)| self.shape.points()[rows[row]][c]);
         let centroid = mass.dot(&points);
         points -= &centroid;
-        points /= area.sqrt();
+        points /= self.info.scale;
         let basis = SpectralBasis {
-            eigenvalues: &self.basis.eigenvalues * area,
-            eigenvectors: eigenvectors * area.sqrt(),
+            eigenvalues: &self.basis.eigenvalues * total,
+            eigenvectors: eigenvectors * total.sqrt(),
             mass,
         };
         Matchable { basis, points, features: self.features.clone(), coarse: self.coarse.clone() }

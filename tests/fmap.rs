@@ -214,6 +214,41 @@ fn given_parts_are_a_wall() {
 }
 
 #[test]
+fn labels_that_are_wrong_are_a_wall_all_the_same() {
+    let shape = body("woman-standing.ply");
+    let true_labels = shape.labels().expect("labels").to_vec();
+    // Ten points of the head are called a foot.
+    let (head, foot) = (true_labels[top_of(&shape)], true_labels[lowest_of(&shape)]);
+    let mut labels = true_labels.clone();
+    labels.iter_mut().filter(|label| **label == head).take(10).for_each(|label| *label = foot);
+    let noisy = Shape::new(shape.points().to_vec(), shape.faces().to_vec(), Some(labels.clone())).expect("a shape");
+    let whole = PrepareOptions { eigenpairs: 60, ..Default::default() };
+    let (a, b) = (prepared(noisy, &whole), prepared(shape, &whole));
+    for refine in [Refinement::None, Refinement::ZoomOut, Refinement::Best] {
+        let found = matched(&a, &b, &MatchOptions { parts: Parts::Given, refine, ..Default::default() });
+        let over = (0..5000).filter(|&i| labels[i] != true_labels[found.a_to_b.target[i] as usize]).count();
+        assert_eq!(over, 0, "{refine:?}");
+    }
+}
+
+fn top_of(shape: &Shape) -> usize {
+    (0..shape.points().len()).max_by(|&i, &j| shape.points()[i][1].total_cmp(&shape.points()[j][1])).expect("points")
+}
+
+fn lowest_of(shape: &Shape) -> usize {
+    (0..shape.points().len()).min_by(|&i, &j| shape.points()[i][1].total_cmp(&shape.points()[j][1])).expect("points")
+}
+
+#[test]
+fn a_label_per_point_costs_no_more_than_one_for_all() {
+    let shape = body("woman-standing.ply");
+    let own = Shape::new(shape.points().to_vec(), shape.faces().to_vec(), Some((0..5000).collect())).expect("a shape");
+    let shape = prepared(own, &PrepareOptions { eigenpairs: 60, ..Default::default() });
+    let found = matched(&shape, &shape, &MatchOptions { parts: Parts::Given, ..Default::default() });
+    assert!(found.a_to_b.target.iter().zip(0..).all(|(&j, i)| i == j));
+}
+
+#[test]
 fn parts_that_only_one_scan_has_are_no_constraint() {
     let ball = blob(2);
     let labelled = |labels: Vec<u32>| {
@@ -262,7 +297,7 @@ fn landmarks_do_not_hurt_a_pair_that_matches_anyway() {
 }
 
 #[test]
-fn each_step_of_refinement_is_at_least_as_good_as_the_one_before() {
+fn no_step_of_refinement_spoils_the_one_before() {
     let [a, b] = &*PAIR;
     let [none, zoomed] = [Refinement::None, Refinement::ZoomOut].map(|refine| {
         let found = matched(a, b, &MatchOptions { refine, ..Default::default() });

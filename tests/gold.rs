@@ -57,7 +57,7 @@ fn the_cotangent_laplacian_of_the_bodies_is_that_of_robust_laplacian() {
 fn the_first_120_eigenvalues_of_the_bodies_are_those_of_robust_laplacian_and_scipy() {
     for (shape, gold) in bodies() {
         let found = eigenvalues(&shape, LaplacianKind::Cotangent);
-        // Eigenvalues of a residual of 1e-6 are good to its square over the gap; 1e-6 is what the issue asks. The zero is one to 1e-9.
+        // Eigenvalues of a residual of 1e-6 are good to its square over the gap; 1e-6 is the accuracy promised. The zero is one to 1e-9.
         assert_close("λ", &found, &numbers(&gold, "meshEigenvalues"), 1e-6, 1e-9);
     }
 }

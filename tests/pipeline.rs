@@ -12,7 +12,7 @@ use geose_fmap::{
     PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
     prepare,
 };
-use shapes::{BODIES, Random, Soup, blob, body, fibonacci_sphere, icosphere, prepared, scan, soup, turn};
+use shapes::{BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, soup, turn};
 
 fn matched(a: &PreparedShape, b: &PreparedShape) -> Match {
     matched_with(a, b, &MatchOptions::default()).expect("a match")
@@ -361,28 +361,89 @@ fn match_options_that_cannot_be_are_refused() {
 }
 
 #[test]
-fn every_laplacian_and_refinement_matches() {
-    let [a, b] = [blob(3), blob(3).moved(turn)].map(|s| s.shape());
+fn every_laplacian_and_refinement_matches_in_any_unit() {
+    let [a, b] = [blob(3), blob(3).moved(turn).moved(|p| p.map(|x| 1000.0 * x))].map(|s| s.shape());
     for kind in LaplacianKind::ALL {
         let options = PrepareOptions { laplacian: Some(kind), ..quick() };
         let [a, b] = [&a, &b].map(|s| prepared(s.clone(), &options));
         assert_eq!(a.info.laplacian, kind);
+        let scale = b.info.scale / a.info.scale;
+        assert!((scale - 1000.0).abs() < 1e-3, "{kind}: {scale}");
         for refine in [Refinement::None, Refinement::ZoomOut, Refinement::Best] {
             let found = matched_with(&a, &b, &MatchOptions { refine, ..Default::default() }).expect("a match");
             assert_whole(kind.name(), &found.a_to_b, &a, &b);
             let right = found.a_to_b.target.iter().zip(0..).filter(|&(&t, i)| t == i).count();
             println!("{kind}, {refine:?}: {right} of {} points right", a.points_used());
+            assert!(100 * right > 99 * a.points_used(), "{kind}, {refine:?}: {right} right");
         }
     }
 }
 
 #[test]
-fn four_faust_scans_load_prepare_and_match_where_they_are() {
-    let Some(set) = std::env::var_os("GEOSE_EVAL_DIR").map(|d| PathBuf::from(d).join("faust_r")).filter(|d| d.exists())
-    else {
-        println!("no evaluation set: nothing measured");
-        return;
-    };
+fn a_few_stray_faces_do_not_make_a_mesh() {
+    let body = body(BODIES[0]);
+    let stray = Shape::new(body.points().to_vec(), body.faces()[..40].to_vec(), None).expect("a valid shape");
+    let shape = prepared(stray, &quick());
+    assert_eq!((shape.info.kind, shape.points_used()), (ShapeKind::Cloud, 5000));
+    assert!(shape.repairs.iter().any(|repair| repair.code == "faces-set-aside" && repair.count == 40));
+    // Triangles that lie on twelve places only.
+    let corners = icosphere(0);
+    let repeated = (0..5).flat_map(|_| corners.faces.clone()).flatten().map(|i| corners.points[i as usize]);
+    let points: Vec<_> = repeated.collect();
+    let faces = (0..points.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let shape = Shape::new(points, faces, None).expect("a valid shape");
+    let error = prepare(shape, None, &quick(), &mut Progress::silent()).expect_err("twelve places");
+    assert_eq!(error.code(), "too-few-points");
+}
+
+#[test]
+fn samples_are_the_farthest_points_one_by_one() {
+    let shape = body(BODIES[1]);
+    let options = PrepareOptions { points: 300, ..quick() };
+    let samples = prepared(shape.clone(), &options).samples.expect("a sampled mesh");
+    let mut nearest = vec![f64::INFINITY; shape.points().len()];
+    for pair in samples.windows(2) {
+        for (d, &p) in nearest.iter_mut().zip(shape.points()) {
+            *d = d.min(distance(p, shape.points()[pair[0] as usize]));
+        }
+        let farthest = (0..nearest.len()).fold(0, |best, i| if nearest[i] > nearest[best] { i } else { best });
+        assert_eq!(pair[1] as usize, farthest);
+    }
+    assert_eq!(samples.len(), 300);
+}
+
+#[test]
+fn what_cannot_fit_is_refused_before_any_work() {
+    let shape = fibonacci_sphere(300_000).shape();
+    for (points, eigenpairs) in [(190_000, 1000), (300_000, 1000)] {
+        let options = PrepareOptions { points, eigenpairs, ..Default::default() };
+        let mut progress = Progress::new(|stage, fraction| {
+            assert!(stage == Stage::Sample && fraction == 0.0, "{stage:?} {fraction}");
+            true
+        });
+        let error = prepare(shape.clone(), None, &options, &mut progress).expect_err("too large");
+        assert_eq!(error.code(), "too-large");
+    }
+    for points in [10, 3_000_000_000] {
+        let options = PrepareOptions { points, ..Default::default() };
+        let error = prepare(shape.clone(), None, &options, &mut Progress::silent()).expect_err("out of range");
+        assert_eq!(error.code(), "invalid-option");
+    }
+}
+
+#[test]
+fn cotangents_of_a_mesh_too_large_for_them_are_refused_by_name() {
+    let shape = icosphere(6).shape(); // 40 962 vertices
+    let options = PrepareOptions { laplacian: Some(LaplacianKind::Cotangent), ..quick() };
+    let error = prepare(shape, None, &options, &mut Progress::silent()).expect_err("too large");
+    assert_eq!(error.code(), "invalid-option");
+    assert!(error.to_string().contains("40962"), "{error}");
+}
+
+#[test]
+#[ignore = "needs the evaluation sets: set GEOSE_EVAL_DIR and pass --include-ignored"]
+fn four_faust_scans_load_prepare_and_match() {
+    let set = PathBuf::from(std::env::var_os("GEOSE_EVAL_DIR").expect("GEOSE_EVAL_DIR names a folder")).join("faust_r");
     let load = |name: &str| {
         let shape = scan(&set.join(format!("shapes/{name}.off")));
         let truth = std::fs::read_to_string(set.join(format!("corres/{name}.vts"))).expect("ground truth");
@@ -399,7 +460,8 @@ fn four_faust_scans_load_prepare_and_match_where_they_are() {
                 truth_a.iter().zip(&truth_b).map(|(&i, &j)| (found.a_to_b.target[i as usize], j)).collect();
             let error = mean_error(&distances, &pairs);
             println!("{a} onto {b} as {name}: {error:.2} (×100/√area)");
-            assert!(error.is_finite());
+            // The other pair stands on its head as long as no network chooses the alignment.
+            assert!(error < if a == "tr_reg_080" { 4.0 } else { 100.0 }, "{a} onto {b} as {name}: {error}");
         }
     }
 }

@@ -58,7 +58,7 @@ fn matrix_products_and_nearest_rows_are_right_at_any_size() {
             |x: &Array2<f32>, exact: &Array2<f64>| (x.mapv(f64::from) - exact).fold(0.0, |m: f64, d| m.max(d.abs()));
         assert!(far(&Cpu.matmul(&a, &b), &plain(&a, &b)) < 1e-4, "a b at {n} {k} {m}");
         assert!(far(&Cpu.matmul_tn(&a, &t), &plain(&a.t().to_owned(), &t)) < 1e-4, "aᵀ b at {n} {k} {m}");
-        let (nearest, _) = Cpu.nearest_rows(&a, &y);
+        let (nearest, _) = Cpu.nearest_rows(&a, &y, None);
         let squared = |i: usize, j: usize| (&a.row(i) - &y.row(j)).mapv(|d| f64::from(d).powi(2)).sum();
         for (i, &j) in nearest.iter().enumerate() {
             let least = (0..m).map(|j| squared(i, j)).fold(f64::INFINITY, f64::min);

@@ -9,8 +9,10 @@ export function sourceOf(input: ShapeInput, { name, format }: ReadOptions): Sour
   if (is<Blob>(input, 'Blob', 'File')) {
     return { from: 'file', file: input, name: name ?? ('name' in input ? String(input.name) : undefined), format };
   }
-  if (is<Uint8Array>(input, 'Uint8Array')) return { from: 'file', file: new Uint8Array(input), name, format };
-  if (is<ArrayBuffer>(input, 'ArrayBuffer')) return { from: 'file', file: new Uint8Array(input.slice(0)), name, format };
+  if (is<Uint8Array>(input, 'Uint8Array')) return { from: 'file', file: copied('the scan', () => new Uint8Array(input)), name, format };
+  if (is<ArrayBuffer>(input, 'ArrayBuffer')) {
+    return { from: 'file', file: copied('the scan', () => new Uint8Array(input.slice(0))), name, format };
+  }
   if (!isObject(input) || !('positions' in input)) {
     throw wrong('the scan', 'the bytes of a file (Uint8Array, ArrayBuffer or Blob) or { positions, faces, labels }', input);
   }
@@ -29,7 +31,12 @@ export function laplacianOf(input: Omit<Laplacian, 'kind'>): Calls['spectrum']['
   for (const [what, array] of Object.entries({ values, mass })) {
     if (!is<Float64Array>(array, 'Float64Array')) throw wrong(what, 'a Float64Array', array);
   }
-  return { indptr: indptr.slice(), indices: indices.slice(), values: values.slice(), mass: mass.slice() };
+  return copied('the laplacian', () => ({
+    indptr: indptr.slice(),
+    indices: indices.slice(),
+    values: values.slice(),
+    mass: mass.slice(),
+  }));
 }
 
 /** Options taken apart: what concerns the call, and a private copy of the rest, which the matcher checks. */
@@ -59,23 +66,35 @@ export function wrong(what: string, wanted: string, found: unknown): GeoSeError 
   return new GeoSeError('invalid-argument', `${what} must be ${wanted}, not ${got}`, { argument: what, wanted, got });
 }
 
+/** A copy; of a detached buffer there is none, and of a huge one perhaps not. */
+function copied<T>(what: string, copy: () => T): T {
+  try {
+    return copy();
+  } catch (cause) {
+    if (cause instanceof RangeError) throw new GeoSeError('out-of-memory', `there is no memory for a copy of ${what}`, {}, { cause });
+    throw new GeoSeError('invalid-argument', `${what} cannot be copied: ${(cause as Error).message}`, { argument: what }, { cause });
+  }
+}
+
 function coordinates(positions: ArrayInput['positions']): Float64Array<ArrayBuffer> {
-  if (is<Float32Array | Float64Array>(positions, 'Float32Array', 'Float64Array')) return new Float64Array(positions);
+  if (is<Float32Array | Float64Array>(positions, 'Float32Array', 'Float64Array'))
+    return copied('positions', () => new Float64Array(positions));
   if (!Array.isArray(positions)) throw wrong('positions', 'a Float32Array, a Float64Array or an array of numbers', positions);
   const at = positions.findIndex((value) => typeof value !== 'number');
   if (at >= 0) throw wrong(`positions[${at}]`, 'a number', positions[at]);
-  return new Float64Array(positions);
+  return copied('positions', () => new Float64Array(positions));
 }
 
 function indices(what: 'faces' | 'labels', values: ArrayInput['faces' | 'labels']): Uint32Array<ArrayBuffer> | undefined {
   if (values === undefined || values === null) return undefined;
-  if (is<Uint32Array | Uint16Array | Uint8Array>(values, 'Uint32Array', 'Uint16Array', 'Uint8Array')) return new Uint32Array(values);
+  if (is<Uint32Array | Uint16Array | Uint8Array>(values, 'Uint32Array', 'Uint16Array', 'Uint8Array'))
+    return copied(what, () => new Uint32Array(values));
   if (!is<Int32Array>(values, 'Int32Array') && !Array.isArray(values)) {
     throw wrong(what, 'a Uint32Array, Uint16Array, Uint8Array, Int32Array or an array of numbers', values);
   }
   const at = values.findIndex((value: unknown) => !isIndex(value));
   if (at >= 0) throw wrong(`${what}[${at}]`, 'a whole number from 0 to 4294967295', values[at]);
-  return new Uint32Array(values);
+  return copied(what, () => new Uint32Array(values));
 }
 
 const isIndex = (value: unknown): boolean => typeof value === 'number' && value >>> 0 === value;

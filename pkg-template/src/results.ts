@@ -64,7 +64,7 @@ export interface ShapeInfo {
 
 /** One kind of thing the reader or the sanitiser changed. */
 export interface Repair {
-  /** Stable name: `'degenerate-faces'`, … */
+  /** Stable name: `'zero-area-faces'`, … */
   readonly code: string;
   /** How many times. */
   readonly count: number;

@@ -1,5 +1,6 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
+import { inspect } from 'node:util';
 import { lump, off } from './bodies.mjs';
 import { installedPackage } from './installed.mjs';
 
@@ -17,6 +18,18 @@ async function codeOf(promise) {
   assert.ok(error.message.length > 10, 'a sentence for a person');
   assert.equal(typeof error.details, 'object');
   return error.code;
+}
+
+/** Its memory now belongs to somebody else. */
+function transferred(buffer) {
+  structuredClone(buffer, { transfer: [buffer] });
+  return buffer;
+}
+
+function transferredArray() {
+  const array = new Float64Array(300);
+  transferred(array.buffer);
+  return array;
 }
 
 describe('wrong arguments are typed errors', () => {
@@ -44,6 +57,8 @@ describe('wrong arguments are typed errors', () => {
     'half an index': { positions, faces: [0, 1, 1.5] },
     'labels as text': { positions, labels: Array(positions.length / 3).fill('head') },
     'an unknown array': { positions, triangles: faces },
+    'a buffer that was transferred': transferred(new Uint8Array(100).buffer),
+    'positions that were transferred': { positions: transferredArray() },
   };
   for (const [what, scan] of Object.entries(scans)) {
     test(`a scan that is ${what}`, async () => {
@@ -84,9 +99,19 @@ describe('wrong arguments are typed errors', () => {
       { laplacian: 'best' },
       { eigenparis: 20 },
       { up: 'left' },
+      { eigenpairs: 20n },
+      { eigenpairs: 20, points: 100n },
+      { points: 3e9 },
     ]) {
-      assert.match(await codeOf(matcher.prepare(SMALL, options)), /option/, JSON.stringify(options));
+      assert.match(await codeOf(matcher.prepare(SMALL, options)), /option/, inspect(options));
     }
+    const circle = {};
+    circle.points = circle;
+    assert.match(await codeOf(matcher.prepare(SMALL, circle)), /option/);
+    assert.equal(
+      await codeOf(matcher.laplacian(SMALL).then((laplacian) => matcher.spectrum(laplacian, { eigenpairs: 0 }))),
+      'invalid-option',
+    );
     for (const options of [{ refine: 'much' }, { parts: 'all' }, { landmarks: [[0]] }, { landmark: [[0, 0]] }]) {
       assert.match(await codeOf(matcher.match(shape, shape, options)), /option/, JSON.stringify(options));
     }

@@ -37,6 +37,12 @@ pub trait Device {
     /// Rows of `a` in the order of `rows`: (n, k) → (rows, k).
     fn gather(&self, a: &Self::Tensor, rows: &Self::Indices) -> Self::Tensor;
     /// For each row of `x` (n, d) the nearest row of `y` (m, d), and for each row of `y` the nearest of `x`; Euclidean, ties to the lower
-    /// index. Never holds the (n, m) distances.
-    fn nearest_rows(&self, x: &Self::Tensor, y: &Self::Tensor) -> (Self::Indices, Self::Indices);
+    /// index. Never holds the (n, m) distances. `parts` are labels of the rows of `x` and of `y`: a row finds only rows of its own label, unless
+    /// the other matrix has none of that label.
+    fn nearest_rows(
+        &self,
+        x: &Self::Tensor,
+        y: &Self::Tensor,
+        parts: Option<(&[u32], &[u32])>,
+    ) -> (Self::Indices, Self::Indices);
 }

@@ -28,12 +28,14 @@ const POSITION_WEIGHT: f64 = 2.0;
 ///
 /// The 24 ways to lay the principal axes of B onto those of A are each tried with a small map; the one whose map is most nearly a rotation of
 /// the whole body wins, and the rotation it implies sets the frame for the real solve. Everything depends on relative positions only, so
-/// turning, moving or scaling a body changes nothing. `landmarks` (k, l) are coefficients of functions known to correspond.
+/// turning, moving or scaling a body changes nothing. `known` (k, l) are coefficients of functions known to correspond, `parts` labels (n)
+/// that keep points apart.
 pub async fn initial_maps<D: Device>(
     device: &D,
     a: &Matchable,
     b: &Matchable,
-    landmarks: Option<(ArrayView2<'_, f64>, ArrayView2<'_, f64>)>,
+    known: Option<(ArrayView2<'_, f64>, ArrayView2<'_, f64>)>,
+    parts: Option<(&[u32], &[u32])>,
 ) -> (MapPair, Rotation) {
     let invariant = |m: &Matchable| {
         let features = m.features.mapv(f64::from);
@@ -48,18 +50,18 @@ pub async fn initial_maps<D: Device>(
     let position_a = position_coefficients(a, rotate(a.points.view(), &axes_a).view());
     let solve = |k: usize, rotation: &Rotation| {
         let position_b = position_coefficients(b, rotate(b.points.view(), &compose(&axes_a, rotation)).view());
-        let mut parts_a = vec![invariant_a.view(), position_a.view()];
-        let mut parts_b = vec![invariant_b.view(), position_b.view()];
-        if let Some((landmarks_a, landmarks_b)) = landmarks {
-            parts_a.push(landmarks_a);
-            parts_b.push(landmarks_b);
+        let mut channels_a = vec![invariant_a.view(), position_a.view()];
+        let mut channels_b = vec![invariant_b.view(), position_b.view()];
+        if let Some((known_a, known_b)) = known {
+            channels_a.push(known_a);
+            channels_b.push(known_b);
         }
-        let join = |parts: &[ArrayView2<f64>]| concatenate(Axis(1), parts).expect("one row per eigenfunction");
-        solve_both(a, b, join(&parts_a).view(), join(&parts_b).view(), k)
+        let join = |channels: &[ArrayView2<f64>]| concatenate(Axis(1), channels).expect("one row per eigenfunction");
+        solve_both(a, b, join(&channels_a).view(), join(&channels_b).view(), k)
     };
 
     let k = FIRST.min(a.basis.k()).min(b.basis.k());
-    let trial = Trial::new(device, a, b, k);
+    let trial = Trial::new(device, a, b, parts, k);
     let mut tried = Vec::new();
     for turn in axis_rotations() {
         let rotation = compose(&inverse(&axes_a), &compose(&turn, &axes_b));
@@ -86,6 +88,7 @@ struct Trial<T> {
     features: [Array2<f32>; 2],
     phi_a: Array2<f32>,
     on_device: [T; 2],
+    parts: Option<[Vec<u32>; 2]>,
 }
 
 /// What a candidate map implies.
@@ -105,15 +108,23 @@ struct Verdict {
 impl Verdict {
     /// The residual alone would prefer a body seen from behind where its limbs happen to lie better; with chirality alone a body may still stand on its
     /// head, and only descriptors tell arms from legs. None of them may be an excuse for the others: descriptors agree perfectly on a body and its own
-    /// mirror image, which is why they get a floor and chirality counts as odds, so that a map inside out cannot win.
+    /// mirror image, which is why they get a floor and chirality counts as odds, so that a map inside out cannot win; the odds are those of a count of
+    /// points, so they are never nought.
     fn badness(&self) -> f64 {
-        let inside_out = (1.0 - self.chirality) / (1.0 + self.chirality).max(1e-3);
+        let one_point = 1.0 / TRIAL_POINTS as f64;
+        let inside_out = (1.0 - self.chirality + one_point) / (1.0 + self.chirality + one_point);
         self.residual * inside_out * (0.1 + self.mismatch)
     }
 }
 
 impl<T> Trial<T> {
-    fn new<D: Device<Tensor = T>>(device: &D, a: &Matchable, b: &Matchable, k: usize) -> Self {
+    fn new<D: Device<Tensor = T>>(
+        device: &D,
+        a: &Matchable,
+        b: &Matchable,
+        parts: Option<(&[u32], &[u32])>,
+        k: usize,
+    ) -> Self {
         let rows = |m: &Matchable| m.coarse[..TRIAL_POINTS.min(m.coarse.len())].to_vec();
         let at = |m: &Matchable, rows: &[u32]| m.points.select(Axis(0), &wide(rows));
         let (rows_a, rows_b) = (rows(a), rows(b));
@@ -123,16 +134,19 @@ impl<T> Trial<T> {
         let features = [a.features.select(Axis(0), &wide(&rows_a)), b.features.select(Axis(0), &wide(&rows_b))];
         let phi_a = a.phi_at(&rows_a, k);
         let on_device = [device.upload(phi_a.view()), device.upload(b.phi_at(&rows_b, k).view())];
-        Self { points, normals, features, phi_a, on_device }
+        let labels = |of: &[u32], rows: &[u32]| rows.iter().map(|&i| of[i as usize]).collect();
+        let parts = parts.map(|(of_a, of_b)| [labels(of_a, &rows_a), labels(of_b, &rows_b)]);
+        Self { points, normals, features, phi_a, on_device, parts }
     }
 
     /// Judges maps of size k after some rounds of matching and fitting again.
     async fn judge<D: Device<Tensor = T>>(&self, device: &D, mut maps: MapPair, k: usize, rounds: usize) -> Verdict {
         let [phi_a, phi_b] = [0, 1].map(|side| device.leading_columns(&self.on_device[side], k));
-        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]]);
+        let parts = self.parts.as_ref().map(|[of_a, of_b]| (&of_a[..], &of_b[..]));
+        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]], parts);
         for _ in 0..rounds {
             maps = maps_of_match(device, [&phi_a, &phi_b], &there_and_back).await;
-            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]]);
+            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]], parts);
         }
         let to_b = wide(&device.download_indices(&there_and_back.0).await);
         let to_a = wide(&device.download_indices(&there_and_back.1).await);

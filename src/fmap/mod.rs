@@ -11,14 +11,12 @@ mod functional_map;
 mod initial;
 mod landmarks;
 mod metrics;
-mod parts_mask;
 mod refine;
 
 pub use correspondence::{Correspondence, UNMATCHED};
 pub use embedding::Matchable;
 pub use functional_map::FunctionalMap;
 pub use initial::initial_maps;
-pub use landmarks::landmark_functions;
+pub use landmarks::{landmark_functions, part_functions};
 pub use metrics::{EdgeDistances, mean_error};
-pub use parts_mask::one_hot_parts;
-pub use refine::{Refinement, refine};
+pub use refine::{COARSE, Refinement, refine};

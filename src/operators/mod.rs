@@ -43,6 +43,18 @@ pub fn default_kind(shape: &Shape) -> LaplacianKind {
     if shape.faces().is_empty() { LaplacianKind::Geodesic } else { LaplacianKind::Cotangent }
 }
 
+/// Surface area in unit²: the mass of `laplacian` where that is one, else measured or, on a cloud, estimated.
+pub fn surface_area(shape: &Shape, laplacian: &Laplacian) -> f64 {
+    match (laplacian.kind, shape.faces().is_empty()) {
+        (LaplacianKind::GeodesicLiteral, true) => {
+            let neighbours = nearest_neighbours(shape.points(), GaussianParams::default().neighbours);
+            cloud_mass(shape.points(), &neighbours).iter().sum()
+        }
+        (LaplacianKind::GeodesicLiteral, false) => shape.surface_area(),
+        _ => laplacian.area(),
+    }
+}
+
 /// The Laplacian of a shape, all points counting, in the unit of its points.
 pub fn laplacian(shape: &Shape, kind: LaplacianKind, progress: &mut Progress) -> Result<Laplacian, OperatorError> {
     if kind == LaplacianKind::Cotangent {

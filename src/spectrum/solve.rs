@@ -54,6 +54,9 @@ pub enum SpectrumError {
         /// What is wrong.
         reason: String,
     },
+    /// A basis without functions.
+    #[error("a spectrum needs at least one eigenpair, and none was asked for")]
+    NoEigenpairs,
     /// Too few points with mass for even one eigenpair.
     #[error("a spectrum needs at least 3 points with mass, and there are {found}")]
     TooFewPoints {
@@ -72,7 +75,9 @@ pub enum SpectrumError {
     #[error("the Laplacian could not be factorised: it is not a positive semi-definite matrix")]
     NotFactorised,
     /// More pairs asked for than fit in memory.
-    #[error("{eigenpairs} eigenpairs of {points} points need {bytes} bytes; ask for fewer")]
+    #[error(
+        "{eigenpairs} eigenpairs of {points} points need {bytes} bytes, more than the 2 GiB there may be: ask for fewer"
+    )]
     TooLarge {
         /// Pairs asked for.
         eigenpairs: usize,
@@ -101,6 +106,7 @@ impl SpectrumError {
     pub fn code(&self) -> &'static str {
         match self {
             SpectrumError::InvalidMatrix { .. } => "invalid-matrix",
+            SpectrumError::NoEigenpairs => "invalid-option",
             SpectrumError::TooFewPoints { .. } => "too-few-points",
             SpectrumError::InvalidMass { .. } => "invalid-mass",
             SpectrumError::NotFactorised => "not-factorised",
@@ -122,7 +128,10 @@ impl SpectrumError {
             SpectrumError::NotConverged { converged, wanted, residual } => {
                 json!({ "converged": converged, "wanted": wanted, "residual": residual })
             }
-            SpectrumError::InvalidMatrix { .. } | SpectrumError::NotFactorised | SpectrumError::Cancelled(_) => {
+            SpectrumError::NoEigenpairs
+            | SpectrumError::InvalidMatrix { .. }
+            | SpectrumError::NotFactorised
+            | SpectrumError::Cancelled(_) => {
                 json!({})
             }
         }
@@ -144,6 +153,9 @@ pub fn spectrum(
 ) -> Result<(SpectralBasis, SpectrumReport), SpectrumError> {
     progress.at(Stage::Spectrum, 0.0)?;
     let n = mass.len();
+    if eigenpairs == 0 {
+        return Err(SpectrumError::NoEigenpairs);
+    }
     let active = active_points(matrix, mass)?;
     let k = eigenpairs.min(n.saturating_sub(2)).min(active.len().saturating_sub(2));
     if k == 0 {
@@ -277,15 +289,17 @@ fn solve(
         return finish(matrix, mass, &root_mass, vec![0.0; k], known, report);
     }
     let subspace = subspace(k);
-    if n <= DENSE || (subspace + 2 * BLOCK >= n && n <= 10 * DENSE) {
+    let dense_bytes = 3 * (n as u64).pow(2) * 8;
+    let dense_fits = dense_bytes <= u64::from(u32::MAX) / 2;
+    if n <= DENSE || (subspace + 2 * BLOCK >= n && dense_fits) {
         let (values, vectors) = smallest_eigenpairs(matrix, &root_mass, k).ok_or(SpectrumError::NotFactorised)?;
         let report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: true };
         return finish(matrix, mass, &root_mass, values, vectors, report);
     }
-    let bytes = check_size(n, k)?;
     if subspace + 2 * BLOCK >= n {
-        return Err(SpectrumError::TooLarge { eigenpairs: k, points: n, bytes });
+        return Err(SpectrumError::TooLarge { eigenpairs: k, points: n, bytes: dense_bytes });
     }
+    check_size(n, k)?;
 
     let pencil = Pencil::new(matrix, mass).ok_or(SpectrumError::NotFactorised)?;
     let shift = shift(&pencil, mean, k).ok_or(SpectrumError::NotFactorised)?;

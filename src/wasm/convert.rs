@@ -33,8 +33,9 @@ fn default_eigenpairs() -> usize {
 
 /// Options from a plain object. Through JSON, because that rejects unknown names, where reading the known ones off the object would not.
 pub(super) fn options<T: DeserializeOwned>(given: &JsValue) -> Result<T, JsValue> {
-    let text = js_sys::JSON::stringify(given).ok().and_then(|text| text.as_string());
-    serde_json::from_str(text.as_deref().unwrap_or("{}")).map_err(|e| {
+    let text = js_sys::JSON::stringify(given)
+        .map_err(|_| invalid("the options must be plain data, without BigInt or cycles"))?;
+    serde_json::from_str(text.as_string().as_deref().unwrap_or("{}")).map_err(|e| {
         // The position within the JSON means nothing to whoever wrote an object.
         let reason = e.to_string();
         invalid(reason.split(" at line ").next().unwrap_or(&reason))

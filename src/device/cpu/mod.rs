@@ -2,6 +2,7 @@
 
 mod matmul;
 mod nearest_rows;
+mod nearest_within;
 
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 
@@ -59,7 +60,10 @@ impl Device for Cpu {
         gathered
     }
 
-    fn nearest_rows(&self, x: &Array2<f32>, y: &Array2<f32>) -> (Vec<u32>, Vec<u32>) {
-        nearest_rows::nearest_rows(x.view(), y.view())
+    fn nearest_rows(&self, x: &Array2<f32>, y: &Array2<f32>, parts: Option<(&[u32], &[u32])>) -> (Vec<u32>, Vec<u32>) {
+        match parts {
+            None => nearest_rows::nearest_rows(x.view(), y.view()),
+            Some((of_x, of_y)) => nearest_within::nearest_rows_within(x.view(), y.view(), of_x, of_y),
+        }
     }
 }
