@@ -112,16 +112,6 @@ impl OptionError {
         }
     }
 
-    pub(crate) fn mesh_too_large(vertices: usize, limit: usize) -> Self {
-        Self {
-            code: "invalid-option",
-            message: format!(
-                "cotangents are for meshes of up to {limit} vertices, and this one has {vertices}: leave the choice open or take \"geodesic\""
-            ),
-            details: json!({ "vertices": vertices, "limit": limit }),
-        }
-    }
-
     pub(crate) fn no_weights() -> Self {
         Self {
             code: "not-in-build",

@@ -8,18 +8,17 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::features::wave_kernel_signature;
 use crate::fmap::{
-    COARSE, Correspondence, FunctionalMap, Matchable, initial_maps, landmark_functions, part_functions, refine,
+    COARSE, Correspondence, FunctionalMap, Matchable, initial_maps, landmark_functions, lift, part_functions, refine,
 };
 use crate::graph::components;
 use crate::operators::{self, Laplacian, LaplacianKind};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 use crate::prepared::{Info, PreparedShape, ShapeKind};
 use crate::progress::{Progress, Stage};
-use crate::shape::{MIN_POINTS, Repair, Shape, ShapeError, farthest_points, nearest_samples};
-use crate::spectrum::{SpectralBasis, check_size, spectrum};
-
-/// Meshes beyond this many vertices are matched as clouds of their samples.
-const MESH_LIMIT: usize = 30_000;
+use crate::shape::{
+    Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, counted, farthest_points, set_crumbs_aside, support,
+};
+use crate::spectrum::{check_size, spectrum};
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
@@ -63,65 +62,47 @@ pub fn prepare(
     };
 
     progress.at(Stage::Sample, 0.0)?;
-    let surface = surface_points(&used_shape);
+    let Crumbs { body: surface, crumbs, far, pieces: crumb_count } =
+        set_crumbs_aside(&used_shape, &surface_points(&used_shape));
+    repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
+        let bits = counted(crumb_count, "bit", "bits");
+        format!("{} in {bits} apart from the body set aside; {} of them too far from it to be matched", counted(crumbs.len(), "point", "points"), far.len())
+    }));
     if surface.len() < MIN_POINTS {
         return Err(ShapeError::TooFewPoints { found: surface.len(), needed: MIN_POINTS }.into());
     }
-    let whole = surface.len() <= options.points + options.points / 2;
-    // A mesh keeps its own operator; a cloud, or a mesh too large for that, gets the operator of its samples.
-    let on_mesh = !used_shape.faces().is_empty() && (whole || n <= MESH_LIMIT);
-    let kind = options.laplacian.unwrap_or(if on_mesh { LaplacianKind::Cotangent } else { LaplacianKind::Geodesic });
-    if kind == LaplacianKind::Cotangent && !on_mesh && !used_shape.faces().is_empty() {
-        return Err(OptionError::mesh_too_large(n, MESH_LIMIT).into());
+    // Cotangents need the mesh; the other kinds are built on the points that are used.
+    let kind = options.laplacian.unwrap_or(operators::default_kind(&used_shape));
+    let on_mesh = kind == LaplacianKind::Cotangent && !used_shape.faces().is_empty();
+    let carriers =
+        if on_mesh { surface.len().min(MESH_LIMIT) } else { surface.len().min(options.points.saturating_mul(2)) };
+    check_size(carriers, options.eigenpairs)?;
+    if on_mesh && surface.len() > MESH_LIMIT {
+        let count = surface.len();
+        let message =
+            format!("the mesh has {count} vertices, more than {MESH_LIMIT}: its basis is that of a simplified one");
+        repairs.push(Repair::noted("mesh-simplified", count, message));
     }
-    let on_all_points = (whole && surface.len() == n) || (on_mesh && kind == LaplacianKind::Cotangent);
-    let operator_points = if on_all_points {
-        n
-    } else if whole {
-        surface.len()
-    } else {
-        options.points
+    let mut share: f64 = 0.0;
+    let mut heard = |done| {
+        // Several samplings follow one another.
+        share = share.max(0.9 * done);
+        progress.at(Stage::Sample, share)
     };
-    check_size(operator_points, options.eigenpairs)?;
-    let mut sampled = |points: &[[f64; 3]], allowed: &[u32], count: usize| {
-        farthest_points(points, allowed, count, &mut |done| progress.at(Stage::Sample, done))
-    };
-    let samples = match (whole, surface.len() == n) {
-        (true, true) => None,
-        (true, false) => Some(surface.clone()),
-        (false, _) => Some(sampled(used_shape.points(), &surface, options.points)?),
-    };
-    let used: Vec<[f64; 3]> = match &samples {
-        Some(samples) => samples.iter().map(|&i| used_shape.points()[i as usize]).collect(),
-        None => used_shape.points().to_vec(),
-    };
-    let coarse = sampled(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE)?;
-    let nearest = samples.as_ref().map(|samples| nearest_samples(used_shape.points(), samples));
-    if !used_shape.faces().is_empty() && !on_mesh {
-        let message = format!(
-            "the mesh has {n} vertices, more than {MESH_LIMIT}: it was matched as a cloud of {} samples",
-            options.points
-        );
-        repairs.push(Repair::noted("mesh-taken-as-cloud", n, message));
-    }
-    let operator_shape = match &samples {
-        Some(samples) if !on_all_points => used_shape.at(samples)?,
-        _ => used_shape.clone(),
-    };
+    let (mut support, operator_shape) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
+    support.unmatched = (!far.is_empty()).then_some(far);
+    let used: Vec<[f64; 3]> =
+        (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
+    let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
 
     let laplacian = operators::laplacian(&operator_shape, kind, progress)?;
-    let (mut basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, options.eigenpairs, progress)?;
-    if on_all_points {
-        carry_to_bare_points(&mut basis, used_shape.points(), &surface);
-    }
+    let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, options.eigenpairs, progress)?;
 
     progress.at(Stage::Features, 0.0)?;
     let features = wave_kernel_signature(&basis).values;
-    let features = match &samples {
-        Some(samples) if on_all_points => {
-            Array2::from_shape_fn((samples.len(), features.ncols()), |(r, c)| features[(samples[r] as usize, c)])
-        }
-        _ => features,
+    let features = match &support.used {
+        Some(used) => features.select(Along(0), &used.iter().map(|&row| row as usize).collect::<Vec<usize>>()),
+        None => features,
     };
     progress.at(Stage::Features, 1.0)?;
     if !report.complete {
@@ -130,7 +111,7 @@ pub fn prepare(
     }
 
     let info = Info {
-        kind: if used_shape.faces().is_empty() || !on_mesh { ShapeKind::Cloud } else { ShapeKind::Mesh },
+        kind: if used_shape.faces().is_empty() { ShapeKind::Cloud } else { ShapeKind::Mesh },
         name,
         points: n,
         faces: as_read.faces().len(),
@@ -144,7 +125,7 @@ pub fn prepare(
         residual: report.residual,
         seconds: progress.take_seconds(),
     };
-    Ok(PreparedShape { shape: as_read, info, repairs, basis, samples, nearest, coarse, features })
+    Ok(PreparedShape { shape: as_read, info, repairs, basis, support, coarse, features })
 }
 
 /// Features of both → functional maps both ways → refinement → correspondence of every uploaded point.
@@ -173,8 +154,7 @@ pub async fn match_shapes<D: Device>(
 
     let (a_to_b, b_to_a, maps) =
         refine(device, (&side_a, &side_b), first, &rotation, parts, options.refine, progress).await?;
-    let a_to_b = a_to_b.lift(a.nearest.as_deref(), b.samples.as_deref());
-    let b_to_a = b_to_a.lift(b.nearest.as_deref(), a.samples.as_deref());
+    let (a_to_b, b_to_a) = (lift(&a_to_b, a, b), lift(&b_to_a, b, a));
     progress.at(Stage::Correspondence, 1.0)?;
 
     Ok(Match {
@@ -195,20 +175,6 @@ fn surface_points(shape: &Shape) -> Vec<u32> {
     (0..on_surface.len() as u32).filter(|&i| on_surface[i as usize]).collect()
 }
 
-/// Points without surface (split at seams, or used by no face) take the eigenfunctions of the nearest point that has some.
-fn carry_to_bare_points(basis: &mut SpectralBasis, points: &[[f64; 3]], surface: &[u32]) {
-    if surface.len() == points.len() {
-        return;
-    }
-    for (i, row) in nearest_samples(points, surface).into_iter().enumerate() {
-        let nearest = surface[row as usize] as usize;
-        if nearest != i {
-            let values = basis.eigenvectors.row(nearest).to_owned();
-            basis.eigenvectors.row_mut(i).assign(&values);
-        }
-    }
-}
-
 /// C of bases whose masses sum to 1 as C of the bases that users hold.
 fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape) -> Array2<f64> {
     map * (to.basis.mass.sum() / from.basis.mass.sum()).sqrt()
@@ -217,7 +183,7 @@ fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape)
 /// Part labels at the points used.
 fn labels_used(shape: &PreparedShape, scan: &str) -> Result<Vec<u32>, OptionError> {
     let labels = shape.shape.labels().ok_or_else(|| OptionError::no_labels(scan))?;
-    Ok((0..shape.points_used()).map(|row| labels[shape.uploaded(row)]).collect())
+    Ok((0..shape.points_used()).map(|row| labels[shape.support.uploaded(row)]).collect())
 }
 
 /// Coefficients (k, l) of functions that correspond, on A and on B.
@@ -237,7 +203,7 @@ fn landmarks(
     let rows = |shape: &PreparedShape, scan: &str, side: usize| -> Result<Vec<u32>, OptionError> {
         let points = shape.shape.points().len();
         let row = |pair: &[u32; 2]| match pair[side] {
-            index if (index as usize) < points => Ok(shape.row_of(index)),
+            index if (index as usize) < points => Ok(shape.support.row_of(index as usize) as u32),
             index => Err(OptionError::landmark(index, scan, points)),
         };
         pairs.iter().map(row).collect()
@@ -286,13 +252,13 @@ fn unit(points: &[[f64; 3]]) -> Option<String> {
         .map(|(name, _)| name.to_owned())
 }
 
-/// The axis along which the scan is clearly (a fifth) longer than along the others.
+/// The axis along which the scan is much longer (by half) than along the others: that of somebody standing, and not of a quadruped.
 fn longest_axis(points: &[[f64; 3]]) -> Option<Axis> {
     let extents = extents(points);
     [Axis::X, Axis::Y, Axis::Z]
         .into_iter()
         .enumerate()
-        .find_map(|(c, axis)| (0..3).all(|other| other == c || extents[c] > 1.2 * extents[other]).then_some(axis))
+        .find_map(|(c, axis)| (0..3).all(|other| other == c || extents[c] > 1.5 * extents[other]).then_some(axis))
 }
 
 fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {

@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 use crate::fmap::Matchable;
 use crate::operators::LaplacianKind;
 use crate::options;
-use crate::shape::{Repair, Shape};
+use crate::shape::{Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
 
 /// Version of the block's layout.
-const FORMAT: &str = "geose-prepared 1";
+const FORMAT: &str = "geose-prepared 2";
 
 /// What was found about a scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,12 +70,10 @@ pub struct PreparedShape {
     pub info: Info,
     /// Repairs of reading and of preparing.
     pub repairs: Vec<Repair>,
-    /// Basis in the unit of the upload, at all points (n rows) or, for a sampled cloud, at the points used (p rows).
+    /// Basis in the unit of the upload, one row per carrier.
     pub basis: SpectralBasis,
-    /// Uploaded index of each point used (p); `None` when all are.
-    pub samples: Option<Vec<u32>>,
-    /// Row of the point used that is nearest to each uploaded point (n); `None` when all are used.
-    pub nearest: Option<Vec<u32>>,
+    /// Which points carry the basis, and which are used.
+    pub support: Support,
     /// Rows of an even sampling of the points used, coarsest first.
     pub coarse: Vec<u32>,
     /// Descriptors (p, c).
@@ -97,35 +95,28 @@ impl BlockError {
 impl PreparedShape {
     /// Points used, p.
     pub fn points_used(&self) -> usize {
-        self.samples.as_ref().map_or(self.shape.points().len(), Vec::len)
-    }
-
-    /// The uploaded index of a point used.
-    pub fn uploaded(&self, row: usize) -> usize {
-        self.samples.as_ref().map_or(row, |samples| samples[row] as usize)
-    }
-
-    /// The point used that stands for an uploaded point.
-    pub fn row_of(&self, uploaded: u32) -> u32 {
-        self.nearest.as_ref().map_or(uploaded, |nearest| nearest[uploaded as usize])
+        self.support.points_used(self.shape.points().len())
     }
 
     /// The shape at unit area, at the points used.
     pub fn matchable(&self) -> Matchable {
         let p = self.points_used();
-        let rows: Vec<usize> = (0..p).map(|row| self.uploaded(row)).collect();
-        let at_samples = self.basis.len() == p;
-        let eigenvectors =
-            if at_samples { self.basis.eigenvectors.clone() } else { self.basis.eigenvectors.select(Axis(0), &rows) };
-        // Samples of a larger basis stand for the mass around them.
+        let eigenvectors = match &self.support.used {
+            None => self.basis.eigenvectors.clone(),
+            Some(used) => {
+                let rows: Vec<usize> = used.iter().map(|&carrier| carrier as usize).collect();
+                self.basis.eigenvectors.select(Axis(0), &rows)
+            }
+        };
+        // Points used stand for the mass around them.
         let mut mass = Array1::zeros(p);
-        for (i, m) in self.basis.mass.iter().enumerate() {
-            mass[if at_samples { i } else { self.row_of(i as u32) as usize }] += m;
+        for (carrier, m) in self.basis.mass.iter().enumerate() {
+            mass[self.support.row_of_carrier(carrier)] += m;
         }
         // Equal to the area for every Laplacian but the literal one, whose masses are counts.
         let total: f64 = mass.sum();
         mass /= total;
-        let mut points = Array2::from_shape_fn((p, 3), |(row, c)| self.shape.points()[rows[row]][c]);
+        let mut points = Array2::from_shape_fn((p, 3), |(row, c)| self.shape.points()[self.support.uploaded(row)][c]);
         let centroid = mass.dot(&points);
         points -= &centroid;
         points /= self.info.scale;
@@ -160,8 +151,11 @@ impl PreparedShape {
         ];
         let optional = [
             ("labels", self.shape.labels()),
-            ("samples", self.samples.as_deref()),
-            ("nearest", self.nearest.as_deref()),
+            ("carriers", self.support.carriers.as_deref()),
+            ("carrierOf", self.support.carrier_of.as_deref()),
+            ("used", self.support.used.as_deref()),
+            ("usedOf", self.support.used_of.as_deref()),
+            ("unmatched", self.support.unmatched.as_deref()),
         ];
         tensors.extend(
             optional
@@ -202,13 +196,28 @@ impl PreparedShape {
         let eigenvectors =
             Array2::from_shape_vec((mass.len(), eigenvalues.len()), f64s("eigenvectors")?).map_err(matrix)?;
         let features = values::<f32>(&block, "features", Dtype::F32)?;
-        let (samples, nearest, coarse) = (optional("samples")?, optional("nearest")?, u32s("coarse")?);
-        let (n, p) = (shape.points().len(), samples.as_ref().map_or(shape.points().len(), Vec::len));
+        let coarse = u32s("coarse")?;
+        let support = Support {
+            carriers: optional("carriers")?,
+            carrier_of: optional("carrierOf")?,
+            used: optional("used")?,
+            used_of: optional("usedOf")?,
+            unmatched: optional("unmatched")?,
+        };
+        let (n, carriers) = (shape.points().len(), mass.len());
+        let p = support.points_used(n);
         let below = |indices: &[u32], limit: usize| indices.iter().all(|&i| (i as usize) < limit);
-        let consistent = (mass.len() == n || mass.len() == p)
-            && samples.is_some() == nearest.is_some()
-            && samples.as_deref().is_none_or(|s| below(s, n))
-            && nearest.as_deref().is_none_or(|s| s.len() == n && below(s, p))
+        let fits = |table: &Option<Vec<u32>>, length: usize, limit: usize| {
+            table.as_ref().is_none_or(|table| table.len() == length && below(table, limit))
+        };
+        let consistent = fits(&support.carriers, carriers, n)
+            && fits(&support.carrier_of, n, carriers)
+            && fits(&support.used, p, carriers)
+            && fits(&support.used_of, carriers, p)
+            && support.carriers.is_some() == support.carrier_of.is_some()
+            && support.used.is_some() == support.used_of.is_some()
+            && (support.carriers.is_some() || carriers == n)
+            && support.unmatched.as_deref().is_none_or(|points| below(points, n))
             && below(&coarse, p)
             && below(shape.faces().as_flattened(), n)
             && shape.labels().is_none_or(|l| l.len() == n)
@@ -219,7 +228,7 @@ impl PreparedShape {
         }
         let features = Array2::from_shape_vec((p, features.len() / p), features).map_err(matrix)?;
         let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
-        Ok(Self { shape, info, repairs, basis, samples, nearest, coarse, features })
+        Ok(Self { shape, info, repairs, basis, support, coarse, features })
     }
 }
 

@@ -12,7 +12,9 @@ use geose_fmap::{
     PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
     prepare,
 };
-use shapes::{BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, soup, turn};
+use shapes::{
+    BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, soup, subdivided, turn,
+};
 
 fn matched(a: &PreparedShape, b: &PreparedShape) -> Match {
     matched_with(a, b, &MatchOptions::default()).expect("a match")
@@ -175,7 +177,7 @@ fn a_prepared_shape_comes_back_from_its_bytes() {
         let back = PreparedShape::from_bytes(&shape.to_bytes().expect("bytes")).expect("a prepared shape");
         assert_eq!((&back.info, &back.repairs), (&shape.info, &shape.repairs));
         assert!(back.basis == shape.basis && back.features == shape.features);
-        assert!((&back.samples, &back.nearest, &back.coarse) == (&shape.samples, &shape.nearest, &shape.coarse));
+        assert!((&back.support, &back.coarse) == (&shape.support, &shape.coarse));
         assert!(back.shape.points() == shape.shape.points() && back.shape.faces() == shape.shape.faces());
         assert!(back.shape.labels() == shape.shape.labels());
     }
@@ -232,8 +234,8 @@ fn a_block_with_flipped_bytes_never_panics() {
 #[test]
 fn bytes_that_were_never_a_block_are_refused() {
     let mut other_version = SMALL.to_bytes().expect("bytes");
-    let at = other_version.windows(16).position(|w| w == b"geose-prepared 1").expect("the format");
-    other_version[at + 15] = b'2';
+    let at = other_version.windows(16).position(|w| w == b"geose-prepared 2").expect("the format");
+    other_version[at + 15] = b'1';
     let huge = [&u64::MAX.to_le_bytes()[..], &[b'{'; 100]].concat();
     let empty = [&2u64.to_le_bytes()[..], b"{}"].concat();
     for bytes in [&[][..], b"ply\nformat ascii 1.0\n", &[0; 64], &huge, &empty, &other_version] {
@@ -400,7 +402,7 @@ fn a_few_stray_faces_do_not_make_a_mesh() {
 fn samples_are_the_farthest_points_one_by_one() {
     let shape = body(BODIES[1]);
     let options = PrepareOptions { points: 300, ..quick() };
-    let samples = prepared(shape.clone(), &options).samples.expect("a sampled mesh");
+    let samples = prepared(shape.clone(), &options).support.used.expect("a sampled mesh");
     let mut nearest = vec![f64::INFINITY; shape.points().len()];
     for pair in samples.windows(2) {
         for (d, &p) in nearest.iter_mut().zip(shape.points()) {
@@ -432,12 +434,33 @@ fn what_cannot_fit_is_refused_before_any_work() {
 }
 
 #[test]
-fn cotangents_of_a_mesh_too_large_for_them_are_refused_by_name() {
-    let shape = icosphere(6).shape(); // 40 962 vertices
-    let options = PrepareOptions { laplacian: Some(LaplacianKind::Cotangent), ..quick() };
-    let error = prepare(shape, None, &options, &mut Progress::silent()).expect_err("too large");
-    assert_eq!(error.code(), "invalid-option");
-    assert!(error.to_string().contains("40962"), "{error}");
+fn a_large_mesh_is_matched_by_a_simplified_one_and_every_vertex_finds_its_own() {
+    let fine = body(BODIES[0]);
+    let large = subdivided(&subdivided(&soup(&fine))).shape(); // 80 thousand vertices; the first 5000 are those of the body
+    let (a, b) =
+        (prepared(large.clone(), &PrepareOptions::default()), prepared(fine.clone(), &PrepareOptions::default()));
+    assert_eq!((a.info.kind, a.info.laplacian, a.points_used()), (ShapeKind::Mesh, LaplacianKind::Cotangent, 5000));
+    assert!(a.repairs.iter().any(|repair| repair.code == "mesh-simplified"));
+    assert!((a.info.scale / b.info.scale - 1.0).abs() < 0.01, "{} {}", a.info.scale, b.info.scale);
+    let worst = (1..60).map(|j| (a.basis.eigenvalues[j] / b.basis.eigenvalues[j] - 1.0).abs()).fold(0.0, f64::max);
+    println!("eigenvalues 1 to 59 of the large mesh differ by up to {:.2} %", 100.0 * worst);
+    assert!(worst < 0.03, "{worst}");
+    let found = assert_match("large onto small", &a, &b);
+    let pairs: Vec<_> = (0..5000).map(|i| (found.a_to_b.target[i as usize], i)).collect();
+    let there = mean_error(&EdgeDistances::new(&fine), &pairs);
+    let pairs: Vec<_> = (0..5000).map(|i| (found.b_to_a.target[i as usize], i)).collect();
+    let back = mean_error(&EdgeDistances::new(&large), &pairs);
+    println!("error there {there:.2}, back {back:.2}");
+    assert!(there < 1.0 && back < 1.0, "{there} {back}");
+    // Lifted, not rounded to the samples: many more vertices are hit than take part.
+    let mut hit = found.b_to_a.target.clone();
+    hit.sort_unstable();
+    hit.dedup();
+    assert!(hit.len() > 3500, "{}", hit.len());
+    let mut hit: Vec<u32> = found.a_to_b.target.clone();
+    hit.sort_unstable();
+    hit.dedup();
+    assert!(hit.len() > 4000, "{}", hit.len());
 }
 
 #[test]

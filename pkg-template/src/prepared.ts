@@ -49,8 +49,8 @@ export class PreparedShape {
   }
 
   /**
-   * The spectral basis at the uploaded points. On a sampled cloud a point that was not sampled has the value of the nearest
-   * one that was, and no mass. The arrays are as large as the scan: n × k numbers of 8 bytes.
+   * The spectral basis at the uploaded points. Where it was solved for fewer (samples of a cloud, a simplified mesh), the others have the value
+   * of the nearest one, and no mass. The arrays are as large as the scan: n × k numbers of 8 bytes.
    */
   spectrum(): Spectrum {
     const block = this.#open();
@@ -109,11 +109,10 @@ function partsOf(block: Block): Parts | null {
   return { labels: Uint8Array.from(given), probabilities, names: parts.names, source: parts.source };
 }
 
-/** Uploaded index of each row of the basis, and the row nearest to each uploaded point; null when every point has a row of its own. */
+/** Uploaded index of each row of the basis, and the row that stands for each uploaded point; null when every point has a row of its own. */
 function sampling(block: Block): { indices: Uint32Array; nearest: Uint32Array } | null {
-  const [indices, nearest] = [block.uint32('samples'), block.uint32('nearest')];
-  const wholeMesh = block.shape('mass')?.[0] === nearest?.length;
-  return indices && nearest && !wholeMesh ? { indices, nearest } : null;
+  const [indices, nearest] = [block.uint32('carriers'), block.uint32('carrierOf')];
+  return indices && nearest ? { indices, nearest } : null;
 }
 
 /** For each index the row of a (·, `width`) matrix. */

@@ -81,6 +81,11 @@ pub(super) fn rotate(points: ArrayView2<f64>, r: &Rotation) -> Array2<f64> {
     points.dot(&matrix)
 }
 
+/// One point rotated.
+pub(super) fn turned(r: &Rotation, point: [f64; 3]) -> [f64; 3] {
+    r.map(|row| dot(row, point))
+}
+
 /// r s: first s, then r.
 pub(super) fn compose(r: &Rotation, s: &Rotation) -> Rotation {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|c| r[i][c] * s[c][j]).sum()))

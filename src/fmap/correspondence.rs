@@ -32,20 +32,4 @@ impl Correspondence {
             .collect();
         Self { target: there.to_vec(), confidence }
     }
-
-    /// From the points used to every uploaded point: `nearest` gives each uploaded point's row here, `samples` the uploaded index of each
-    /// row of the other shape; `None` where all points are used.
-    pub fn lift(&self, nearest: Option<&[u32]>, samples: Option<&[u32]>) -> Self {
-        let uploaded = |row: u32| samples.map_or(row, |samples| samples[row as usize]);
-        match nearest {
-            None => Self {
-                target: self.target.iter().map(|&row| uploaded(row)).collect(),
-                confidence: self.confidence.clone(),
-            },
-            Some(nearest) => Self {
-                target: nearest.iter().map(|&row| uploaded(self.target[row as usize])).collect(),
-                confidence: nearest.iter().map(|&row| self.confidence[row as usize]).collect(),
-            },
-        }
-    }
 }

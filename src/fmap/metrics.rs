@@ -2,7 +2,6 @@
 
 use crate::graph::{BoundedDijkstra, EdgeGraph};
 use crate::shape::Shape;
-use crate::vector::squared_distance;
 
 /// Shortest paths along the edges of a mesh, and the area they are measured against.
 pub struct EdgeDistances {
@@ -13,11 +12,7 @@ pub struct EdgeDistances {
 impl EdgeDistances {
     /// For a mesh; a cloud has no edges, and every distance between different points is infinite.
     pub fn new(mesh: &Shape) -> Self {
-        let points = mesh.points();
-        let length = |i: u32, j: u32| squared_distance(points[i as usize], points[j as usize]).sqrt();
-        let edges = mesh.faces().iter().flat_map(|f| (0..3).map(move |s| (f[s], f[(s + 1) % 3])));
-        let graph = EdgeGraph::from_edges(points.len(), edges.map(|(i, j)| (i, j, length(i, j))));
-        Self { graph, root_area: mesh.surface_area().sqrt() }
+        Self { graph: EdgeGraph::of_mesh(mesh), root_area: mesh.surface_area().sqrt() }
     }
 }
 

@@ -10,6 +10,7 @@ mod embedding;
 mod functional_map;
 mod initial;
 mod landmarks;
+mod lifting;
 mod metrics;
 mod refine;
 
@@ -18,5 +19,6 @@ pub use embedding::Matchable;
 pub use functional_map::FunctionalMap;
 pub use initial::initial_maps;
 pub use landmarks::{landmark_functions, part_functions};
+pub use lifting::lift;
 pub use metrics::{EdgeDistances, mean_error};
 pub use refine::{COARSE, Refinement, refine};

@@ -1,5 +1,8 @@
 //! An undirected graph with edge lengths, in compressed rows.
 
+use crate::shape::Shape;
+use crate::vector::squared_distance;
+
 /// Rows of (neighbour, length), each edge stored in both rows, neighbours ascending.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgeGraph {
@@ -29,6 +32,14 @@ impl EdgeGraph {
         }
         let (indices, lengths) = both.into_iter().map(|(_, j, length)| (j, length)).unzip();
         Self { indptr, indices, lengths }
+    }
+
+    /// The edges of a mesh with their lengths; none for a cloud.
+    pub fn of_mesh(shape: &Shape) -> Self {
+        let points = shape.points();
+        let length = |i: u32, j: u32| squared_distance(points[i as usize], points[j as usize]).sqrt();
+        let edges = shape.faces().iter().flat_map(|f| (0..3).map(move |s| (f[s], f[(s + 1) % 3])));
+        Self::from_edges(points.len(), edges.map(|(i, j)| (i, j, length(i, j))))
     }
 
     /// Number of vertices.

@@ -1,11 +1,13 @@
 //! Neighbourhoods on a point cloud: k nearest neighbours, bounded geodesics, and the refined graph of Algorithm 1.
 
+mod cells;
 mod components;
 mod dijkstra;
 mod edges;
 mod neighbours;
 mod refine;
 
+pub use cells::nearest_sources;
 pub use components::components;
 pub use dijkstra::BoundedDijkstra;
 pub use edges::EdgeGraph;

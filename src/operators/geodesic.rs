@@ -4,6 +4,7 @@
 //! 2.07 (×100/√area), plain k-NN weights 1.77, and α = 1 weights with a mass of 1/density 1.14; the form below is that last one with a
 //! local scale and measured areas.
 
+use super::sheets::Sheets;
 use super::{Laplacian, LaplacianKind, cloud_mass};
 use crate::graph::{EdgeGraph, Neighbours};
 use crate::vector::squared_distance;
@@ -30,12 +31,20 @@ pub fn literal_laplacian(graph: &EdgeGraph, sigma: f64) -> Laplacian {
     Laplacian::from_weights(LaplacianKind::GeodesicLiteral, vec![1.0; graph.len()], weights)
 }
 
+/// Least share of its weight that a point keeps when edges between sheets fade.
+const LEAST_SHARE: f64 = 0.05;
+
 /// Weights exp(−d²/σ_iσ_j) with σ_i the mean distance from i to its own k neighbours, W ← Q⁻¹WQ⁻¹ with Q their row sums including the point
 /// itself (α = 1, so that sampling density drops out in the limit), mass from the neighbourhood discs.
 ///
-/// Departure from the paper: σ is local, not one for the cloud. Where points lie close, k neighbours end inside a global kernel, density is
+/// Departures from the paper. σ is local, not one for the cloud. Where points lie close, k neighbours end inside a global kernel, density is
 /// underestimated and diffusion slowed by up to a half. On sample bodies whose hands are sampled twice as densely the first 60 eigenvalues
 /// differ from the mesh's by 1.8 % on average instead of 3.0 % (both with plain disc areas; with the areas of today 2.0 to 2.9 %).
+///
+/// With `contact`, edges between sheets of surface that only touch fade ([`Sheets`]), and every point gets its row sum back in equal shares
+/// (W ← R^−½ W R^−½, R the share that is left). Algorithm 1 hardly prunes them: a shortcut among the first k₀ neighbours lets those beside it
+/// in. On 16 synthetic bodies with limbs in contact the exact map at k = 120 has 0.41 instead of 0.56 (×100/√area; 0.12 with cotangents of
+/// the mesh), and the first 60 eigenvalues differ from the mesh's by 4.7 instead of 5.9 % on average.
 ///
 /// The scale makes the Dirichlet energy of the coordinate functions twice the area, as on any surface:
 /// Σ_c ∫|∇x_c|² = ∫ tr(tangent projector) = 2·area. It replaces the kernel constant, which truncation at k neighbours spoils.
@@ -44,23 +53,47 @@ pub fn gaussian_laplacian(
     graph: &EdgeGraph,
     neighbours: &Neighbours,
     kind: LaplacianKind,
+    contact: bool,
 ) -> Laplacian {
-    let sigma: Vec<f64> = (0..graph.len()).map(|i| neighbours.mean_distance_from(i)).collect();
+    let n = graph.len();
+    let sigma: Vec<f64> = (0..n).map(|i| neighbours.mean_distance_from(i)).collect();
     let kernel = |i: u32, j: u32, d: f64| {
         let scale = sigma[i as usize] * sigma[j as usize];
         // Among copies of one point there is no scale and no distance.
         if scale > 0.0 { (-d * d / scale).exp() } else { 1.0 }
     };
-    let mut density = vec![1.0; graph.len()];
+    let mut density = vec![1.0; n];
     for (i, j, d) in graph.edges() {
         let w = kernel(i, j, d);
         density[i as usize] += w;
         density[j as usize] += w;
     }
     let mass = cloud_mass(points, neighbours);
-    let normalised =
-        || graph.edges().map(|(i, j, d)| (i, j, kernel(i, j, d) / (density[i as usize] * density[j as usize])));
-    let energy: f64 = normalised().map(|(i, j, w)| w * squared_distance(points[i as usize], points[j as usize])).sum();
+    let mut weights: Vec<(u32, u32, f64)> =
+        graph.edges().map(|(i, j, d)| (i, j, kernel(i, j, d) / (density[i as usize] * density[j as usize]))).collect();
+    if contact {
+        fade_between_sheets(&mut weights, &Sheets::fit(points, neighbours));
+    }
+    let energy: f64 =
+        weights.iter().map(|&(i, j, w)| w * squared_distance(points[i as usize], points[j as usize])).sum();
     let scale = if energy > 0.0 { 2.0 * mass.iter().sum::<f64>() / energy } else { 0.0 };
-    Laplacian::from_weights(kind, mass, normalised().map(|(i, j, w)| (i, j, w * scale)))
+    Laplacian::from_weights(kind, mass, weights.into_iter().map(|(i, j, w)| (i, j, w * scale)))
+}
+
+fn fade_between_sheets(weights: &mut [(u32, u32, f64)], sheets: &Sheets) {
+    let n = sheets.len();
+    let (mut before, mut after) = (vec![0.0; n], vec![0.0; n]);
+    for (i, j, w) in weights.iter_mut() {
+        let faded = *w * sheets.factor(*i, *j);
+        for end in [*i as usize, *j as usize] {
+            before[end] += *w;
+            after[end] += faded;
+        }
+        *w = faded;
+    }
+    let share = |i: u32| {
+        let i = i as usize;
+        if before[i] > 0.0 { (after[i] / before[i]).max(LEAST_SHARE) } else { 1.0 }
+    };
+    weights.iter_mut().for_each(|(i, j, w)| *w /= (share(*i) * share(*j)).sqrt());
 }

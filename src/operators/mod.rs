@@ -6,6 +6,7 @@ mod geodesic;
 mod intrinsic;
 mod laplacian;
 mod mass;
+mod sheets;
 
 use crate::graph::{RefineParams, nearest_neighbours, refine};
 use crate::progress::{Cancelled, Progress, Stage};
@@ -75,6 +76,6 @@ pub fn laplacian(shape: &Shape, kind: LaplacianKind, progress: &mut Progress) ->
     progress.at(Stage::Laplacian, 0.0)?;
     Ok(match kind {
         LaplacianKind::GeodesicLiteral => literal_laplacian(&graph, neighbours.mean_distance()),
-        _ => gaussian_laplacian(shape.points(), &graph, &neighbours, kind),
+        _ => gaussian_laplacian(shape.points(), &graph, &neighbours, kind, kind == LaplacianKind::Geodesic),
     })
 }

@@ -1,16 +1,22 @@
 //! A scan, validated once: points, optional triangles, optional part labels.
 
+mod crumbs;
 mod error;
 mod faces;
 mod repair;
 mod sample;
+mod simplify;
 mod spread;
+mod support;
 
 use crate::vector::{cross, minus, norm};
 
+pub use crumbs::{Crumbs, set_crumbs_aside};
 pub use error::ShapeError;
 pub use repair::Repair;
 pub use sample::{farthest_points, nearest_samples};
+pub use simplify::{Simplified, cells, simplify};
+pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;
 
@@ -107,9 +113,9 @@ impl Shape {
         &self.repairs
     }
 
-    /// The given points as a cloud of their own.
-    pub(crate) fn at(&self, samples: &[u32]) -> Result<Self, ShapeError> {
-        Self::new(samples.iter().map(|&i| self.points[i as usize]).collect(), Vec::new(), None)
+    /// The given points as a shape of their own, with `faces` over them.
+    pub(crate) fn at(&self, samples: &[u32], faces: Vec<[u32; 3]>) -> Self {
+        Self::already_valid(samples.iter().map(|&i| self.points[i as usize]).collect(), faces, None)
     }
 
     /// The same surface with faces that meet wherever their corners lie at exactly one place, as the split vertices at the seams of textured

@@ -167,6 +167,25 @@ pub fn blob(level: usize) -> Soup {
     })
 }
 
+/// Every triangle in four, new vertices in the middle of edges, after the old ones.
+pub fn subdivided(soup: &Soup) -> Soup {
+    let mut points = soup.points.clone();
+    let mut middles = std::collections::HashMap::new();
+    let mut middle = |i: u32, j: u32| {
+        *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+            let (p, q) = (soup.points[i as usize], soup.points[j as usize]);
+            points.push(std::array::from_fn(|c| 0.5 * (p[c] + q[c])));
+            points.len() as u32 - 1
+        })
+    };
+    let faces = soup.faces.iter().flat_map(|&[a, b, c]| {
+        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+    });
+    let faces = faces.collect();
+    Soup { points, faces }
+}
+
 /// A torus of radii `big` and `small`, `n` by `m` points.
 pub fn torus(big: f64, small: f64, n: u32, m: u32) -> Soup {
     let mut soup = Soup { points: vec![], faces: vec![] };

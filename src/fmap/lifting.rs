@@ -1,0 +1,155 @@
+//! From the points used to every uploaded point.
+
+use ndarray::Array2;
+
+use super::{Correspondence, UNMATCHED};
+use super::alignment::{Rotation, best_rotation, turned};
+use crate::graph::{Neighbours, nearest_neighbours};
+use crate::prepared::PreparedShape;
+use crate::shape::Support;
+use crate::vector::{minus, plus, squared_distance};
+
+/// Neighbours whose matches say how the surface turns around a point used.
+const AROUND: usize = 8;
+/// Of two points used, the one is a neighbour for the map only if their images are at most this many times farther apart than they are: limbs that only
+/// touch part here.
+const STRETCH: f64 = 3.0;
+
+/// The match of every uploaded point of `from` to an uploaded point of `to`, from `matched` between the points used.
+///
+/// Around each point used the map is a rigid motion, fitted to the matches of its neighbours; an uploaded point goes where the motions of the points used
+/// near it take it, and then to the nearest uploaded point of those that belong to their images and those next to them. So fingers of a dense
+/// scan do not stick to the leg they hang beside.
+pub fn lift(matched: &Correspondence, from: &PreparedShape, to: &PreparedShape) -> Correspondence {
+    if from.support == Support::default() && to.support == Support::default() {
+        return matched.clone();
+    }
+    let (source, target) = (Sampled::new(from), Sampled::new(to));
+    let target_of = |row: usize| matched.target[row] as usize;
+    let motions: Vec<Motion> =
+        (0..source.points.len()).map(|row| Motion::around(row, &source, &target, &target_of)).collect();
+
+    let (mut targets, mut confidence) = (Vec::new(), Vec::new());
+    let mut candidates: Vec<usize> = Vec::new();
+    let unmatched = flags(from);
+    for (i, &x) in from.shape.points().iter().enumerate() {
+        if unmatched[i] {
+            targets.push(UNMATCHED);
+            confidence.push(0.0);
+            continue;
+        }
+        let row = from.support.row_of(i);
+        let motion = &motions[row];
+        let reach = motion.spacing * motion.spacing;
+        let (mut image, mut total) = ([0.0; 3], 0.0);
+        candidates.clear();
+        for &near in std::iter::once(&row).chain(&motion.neighbours) {
+            let weight = (-0.5 * squared_distance(x, source.points[near]) / reach.max(f64::MIN_POSITIVE)).exp();
+            let moved = motions[near].apply(x, source.points[near], target.points[target_of(near)]);
+            (0..3).for_each(|c| image[c] += weight * moved[c]);
+            total += weight;
+            candidates.push(target_of(near));
+        }
+        image.iter_mut().for_each(|c| *c /= total);
+        candidates.extend(target.near(target_of(row)));
+        candidates.sort_unstable();
+        candidates.dedup();
+        let nearest = candidates
+            .iter()
+            .flat_map(|&candidate| target.cell(candidate))
+            .map(|&j| (squared_distance(to.shape.points()[j as usize], image), j))
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        targets.push(nearest.map_or(to.support.uploaded(target_of(row)) as u32, |(_, j)| j));
+        confidence.push(matched.confidence[row]);
+    }
+    Correspondence { target: targets, confidence }
+}
+
+/// Whether each uploaded point can have no match.
+fn flags(shape: &PreparedShape) -> Vec<bool> {
+    let mut unmatched = vec![false; shape.shape.points().len()];
+    shape.support.unmatched.iter().flatten().for_each(|&i| unmatched[i as usize] = true);
+    unmatched
+}
+
+/// A scan as its points used, each with its neighbours and the uploaded points it stands for.
+struct Sampled {
+    points: Vec<[f64; 3]>,
+    /// √area.
+    scale: f64,
+    neighbours: Neighbours,
+    starts: Vec<usize>,
+    members: Vec<u32>,
+}
+
+impl Sampled {
+    fn new(shape: &PreparedShape) -> Self {
+        let points: Vec<[f64; 3]> =
+            (0..shape.points_used()).map(|row| shape.shape.points()[shape.support.uploaded(row)]).collect();
+        let neighbours = nearest_neighbours(&points, AROUND);
+        let mut starts = vec![0; points.len() + 1];
+        let n = shape.shape.points().len();
+        let unmatched = flags(shape);
+        let matched = || (0..n).filter(|&i| !unmatched[i]);
+        matched().for_each(|i| starts[shape.support.row_of(i) + 1] += 1);
+        (0..points.len()).for_each(|row| starts[row + 1] += starts[row]);
+        let mut next = starts.clone();
+        let mut members = vec![0; starts[points.len()]];
+        for i in matched() {
+            let slot = &mut next[shape.support.row_of(i)];
+            members[*slot] = i as u32;
+            *slot += 1;
+        }
+        Self { points, scale: shape.info.scale, neighbours, starts, members }
+    }
+
+    /// Uploaded points that a point used stands for.
+    fn cell(&self, row: usize) -> &[u32] {
+        &self.members[self.starts[row]..self.starts[row + 1]]
+    }
+
+    /// Points used next to one.
+    fn near(&self, row: usize) -> impl Iterator<Item = usize> + '_ {
+        self.neighbours.of(row).iter().map(|&j| j as usize)
+    }
+}
+
+/// How the surroundings of a point used are turned on their way to the other scan.
+struct Motion {
+    rotation: Rotation,
+    /// From lengths of the one scan to lengths of the other; 0 where too few neighbours agree to tell how things turn.
+    scale: f64,
+    /// Neighbours that the map keeps near.
+    neighbours: Vec<usize>,
+    /// Mean distance to the neighbours.
+    spacing: f64,
+}
+
+impl Motion {
+    fn around(row: usize, source: &Sampled, target: &Sampled, target_of: &impl Fn(usize) -> usize) -> Self {
+        let (x, y) = (source.points[row], target.points[target_of(row)]);
+        let scale = target.scale / source.scale;
+        let limit = (STRETCH * scale).powi(2);
+        let neighbours: Vec<usize> = source
+            .near(row)
+            .filter(|&near| {
+                let after = squared_distance(target.points[target_of(near)], y);
+                after <= limit * squared_distance(source.points[near], x)
+            })
+            .collect();
+        let table = |at: &dyn Fn(usize) -> [f64; 3]| {
+            Array2::from_shape_fn((neighbours.len(), 3), |(r, c)| at(neighbours[r])[c])
+        };
+        let (from, to) =
+            (table(&|near| minus(source.points[near], x)), table(&|near| minus(target.points[target_of(near)], y)));
+        let (rotation, _) = best_rotation(from.view(), to.view());
+        let spacing = source.neighbours.mean_distance_from(row);
+        let scale = if neighbours.len() < 3 { 0.0 } else { scale };
+        Self { rotation, scale, neighbours, spacing }
+    }
+
+    fn apply(&self, point: [f64; 3], centre: [f64; 3], image: [f64; 3]) -> [f64; 3] {
+        let offset = minus(point, centre).map(|c| c * self.scale);
+        plus(image, turned(&self.rotation, offset))
+    }
+}

@@ -1,0 +1,138 @@
+//! Which neighbours lie on the same sheet of surface as a point, where limbs touch.
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+use super::frames::tangent_frame;
+use crate::graph::Neighbours;
+use crate::vector::{dot, minus};
+
+/// Neighbours that the first guess of the tangent plane is fitted to.
+const PLANE: usize = 8;
+/// Neighbours whose mean distance is the unit of length around a point.
+const UNIT: usize = 6;
+/// Width of the window of the fit, in that unit.
+const WINDOW: f64 = 1.5;
+/// Rounds of reweighting.
+const ROUNDS: usize = 8;
+/// Residual, relative to distance, at which a neighbour loses three quarters of its say; doubled in the first half of the rounds.
+const TOLERANCE: f64 = 0.35;
+/// Pull of the five coefficients (slopes, curvatures) towards the plane.
+const RIDGE: [f64; 5] = [0.02, 0.02, 0.05, 0.05, 0.05];
+/// How fast the weight of an edge fades with the squared residuals of its two ends.
+const FADE: f64 = 8.0;
+/// What is left of an edge between sheets, so that nothing falls apart.
+const FLOOR: f64 = 0.02;
+
+/// The surface around a point: a quadric through it, over a tangent plane.
+struct Sheet {
+    tangents: [[f64; 3]; 2],
+    normal: [f64; 3],
+    unit: f64,
+    coefficients: [f64; 5],
+}
+
+/// Surfaces through every point, each fitted to the neighbours that agree with it.
+pub struct Sheets<'p> {
+    points: &'p [[f64; 3]],
+    sheets: Vec<Sheet>,
+}
+
+impl<'p> Sheets<'p> {
+    /// Fits one to each of `points` (n).
+    ///
+    /// The quadric passes through its own point and is fitted by iteratively reweighted least squares (Cauchy-like weights), so of two sheets that
+    /// lie half a spacing apart it follows its own. Normals by principal components mix them, and tests on angles between normals also
+    /// punish what is merely curved: fingers, noses, feet.
+    pub fn fit(points: &'p [[f64; 3]], neighbours: &Neighbours) -> Self {
+        let sheets = (0..points.len()).map(|i| Sheet::fit(points, neighbours, i)).collect();
+        Self { points, sheets }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.sheets.len()
+    }
+
+    /// From 1 for an edge within a sheet down to a floor for one between sheets.
+    pub fn factor(&self, i: u32, j: u32) -> f64 {
+        let squared = |from: u32, to: u32| {
+            let offset = minus(self.points[to as usize], self.points[from as usize]);
+            self.sheets[from as usize].squared_residual(offset).min(2.0)
+        };
+        FLOOR + (1.0 - FLOOR) * (-FADE * (squared(i, j) + squared(j, i))).exp()
+    }
+}
+
+/// Slopes and curvatures at (x, y): what the coefficients multiply.
+fn terms(x: f64, y: f64) -> [f64; 5] {
+    [x, y, x * x, x * y, y * y]
+}
+
+impl Sheet {
+    fn fit(points: &[[f64; 3]], neighbours: &Neighbours, i: usize) -> Self {
+        let of = neighbours.of(i);
+        let near = of.iter().take(PLANE).map(|&j| points[j as usize]);
+        let frame = tangent_frame(points[i], near);
+        let nearest = &neighbours.distances(i)[..UNIT.min(of.len())];
+        let unit = nearest.iter().sum::<f64>() / nearest.len().max(1) as f64;
+        let mut sheet = Self { tangents: frame.tangents, normal: frame.normal, unit, coefficients: [0.0; 5] };
+        if unit <= 0.0 {
+            return sheet;
+        }
+        let rows: Vec<([f64; 5], f64, f64)> = of
+            .iter()
+            .map(|&j| {
+                let [x, y, z] = sheet.local(minus(points[j as usize], points[i]));
+                (terms(x, y), z, (x * x + y * y + z * z).sqrt())
+            })
+            .collect();
+        let window = |distance: f64| (-0.5 * (distance / WINDOW).powi(2)).exp();
+        for round in 0..=ROUNDS {
+            let tolerance = if round > ROUNDS / 2 + 1 { TOLERANCE } else { 2.0 * TOLERANCE };
+            let weight = |terms: &[f64; 5], z: f64, distance: f64| {
+                if round == 0 {
+                    return window(distance);
+                }
+                let residual = z - product(terms, &sheet.coefficients);
+                let agreement = 1.0 + (residual / (tolerance * distance.max(0.5))).powi(2);
+                window(distance) / (agreement * agreement)
+            };
+            let mut normal = Mat::from_fn(5, 5, |p, q| if p == q { RIDGE[p] } else { 0.0 });
+            let mut right = Mat::<f64>::zeros(5, 1);
+            for (terms, z, distance) in &rows {
+                let w = weight(terms, *z, *distance);
+                for p in 0..5 {
+                    right[(p, 0)] += w * terms[p] * z;
+                    for q in 0..5 {
+                        normal[(p, q)] += w * terms[p] * terms[q];
+                    }
+                }
+            }
+            let Ok(cholesky) = normal.llt(Side::Lower) else { break };
+            let solved = cholesky.solve(&right);
+            sheet.coefficients = std::array::from_fn(|p| solved[(p, 0)]);
+        }
+        sheet
+    }
+
+    /// Along the tangents and the normal, in units of the spacing.
+    fn local(&self, offset: [f64; 3]) -> [f64; 3] {
+        [self.tangents[0], self.tangents[1], self.normal].map(|axis| dot(axis, offset) / self.unit)
+    }
+
+    /// Square of how far a point lies off the sheet, relative to its distance.
+    fn squared_residual(&self, offset: [f64; 3]) -> f64 {
+        let squared_length = dot(offset, offset);
+        if self.unit <= 0.0 || squared_length <= 0.0 {
+            return 0.0;
+        }
+        let [x, y, z] = self.local(offset);
+        let residual = z - product(&terms(x, y), &self.coefficients);
+        residual * residual * self.unit * self.unit / squared_length
+    }
+}
+
+fn product(terms: &[f64; 5], coefficients: &[f64; 5]) -> f64 {
+    terms.iter().zip(coefficients).map(|(t, c)| t * c).sum()
+}
