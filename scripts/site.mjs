@@ -8,7 +8,7 @@ import { environment, main, root, run } from './run.mjs';
 import { toolFolders } from './tools.mjs';
 
 /** npm packages whose code ends up in the page. */
-const BUNDLED = ['three'];
+const BUNDLED = ['three', 'three-mesh-bvh'];
 
 export async function buildSite() {
   await buildPackage();

@@ -1,6 +1,7 @@
 import type { Device, Match, MatchOptions, PreparedShape, PrepareOptions, Stage } from 'geose-fmap';
+import type { Landmark, Pairing } from './landmarks';
 import type { ScanSource } from './scan-source';
-import type { Side } from './side';
+import { sides, type Side } from './side';
 import { createStore, type Store } from './store';
 
 /** What the user may choose about preparing a scan; a missing key leaves the choice to the package. */
@@ -23,13 +24,16 @@ export interface Result {
   readonly landmarks: readonly Landmark[];
 }
 
-/** Point i of A is point j of B, said by the user. */
-export type Landmark = readonly [i: number, j: number];
-
 /** One of the three pieces of work, as the progress line shows it. */
 export type Step =
   | { readonly status: 'waiting' | 'done' | 'failed' | 'cancelled' }
-  | { readonly status: 'running'; readonly stage: Stage | null; readonly fraction: number };
+  | {
+      readonly status: 'running';
+      readonly stage: Stage | null;
+      readonly fraction: number;
+      /** The scan being prepared; null while matching. */
+      readonly source: ScanSource | null;
+    };
 
 export type StepName = Side | 'match';
 
@@ -46,6 +50,8 @@ export interface Selection {
 export interface AppState {
   readonly device: Device | null;
   readonly scans: Readonly<Record<Side, Scan | null>>;
+  /** What the user should know about what was dropped, until dismissed or overtaken. */
+  readonly remark: string | null;
   /** Sentences for the person with the scans, until dismissed or overtaken. */
   readonly errors: Readonly<Record<StepName, string | null>>;
   readonly steps: Readonly<Record<StepName, Step>>;
@@ -53,8 +59,8 @@ export interface AppState {
   readonly prepareChoices: PrepareChoices;
   readonly matchChoices: MatchChoices;
   readonly landmarks: readonly Landmark[];
-  /** The point of A whose true place on B the user is about to show. */
-  readonly correcting: number | null;
+  /** The landmark that the user is making; null while points are only looked at. */
+  readonly pairing: Pairing | null;
   /** Under the mouse; wins over `pinned` while it is there. */
   readonly hovered: Selection | null;
   /** Chosen by click, tap, key or number. */
@@ -66,17 +72,23 @@ export interface AppState {
 
 export type AppStore = Store<AppState>;
 
+/** The choices of a fresh page. */
+export const defaultChoices: Pick<AppState, 'prepareChoices' | 'matchChoices'> = {
+  prepareChoices: {},
+  matchChoices: { refine: 'best', parts: 'none' },
+};
+
 export function createAppStore(): AppStore {
   return createStore<AppState>({
     device: null,
     scans: { a: null, b: null },
+    remark: null,
     errors: { a: null, b: null, match: null },
     steps: { a: { status: 'waiting' }, b: { status: 'waiting' }, match: { status: 'waiting' } },
     result: null,
-    prepareChoices: {},
-    matchChoices: { refine: 'best' },
+    ...defaultChoices,
     landmarks: [],
-    correcting: null,
+    pairing: null,
     hovered: null,
     pinned: null,
     colour: 'correspondence',
@@ -87,14 +99,24 @@ export function createAppStore(): AppStore {
 
 export const isBusy = (state: AppState): boolean => stepNames.some((name) => state.steps[name].status === 'running');
 
+const same = (left: object, right: object): boolean => JSON.stringify(left) === JSON.stringify(right);
+
+/** The scan on its way to a side, if one is. */
+export function arriving(state: AppState, side: Side): ScanSource | null {
+  const step = state.steps[side];
+  return step.status === 'running' ? step.source : null;
+}
+
+/** Sides whose scan was prepared with other choices than those of now. */
+export const outdatedSides = ({ scans, prepareChoices }: AppState): Side[] =>
+  sides.filter((side) => {
+    const scan = scans[side];
+    return scan !== null && !same(scan.choices, prepareChoices);
+  });
+
 /** Whether re-matching would do anything else than what was done. */
 export function optionsChanged(state: AppState): boolean {
-  const same = (left: object, right: object): boolean => JSON.stringify(left) === JSON.stringify(right);
-  const { result, scans } = state;
+  const { result } = state;
   if (!result) return false;
-  return (
-    !same(result.choices, state.matchChoices) ||
-    !same(result.landmarks, state.landmarks) ||
-    [scans.a, scans.b].some((scan) => scan !== null && !same(scan.choices, state.prepareChoices))
-  );
+  return !same(result.choices, state.matchChoices) || !same(result.landmarks, state.landmarks) || outdatedSides(state).length > 0;
 }

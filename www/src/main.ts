@@ -1,16 +1,20 @@
 import { createAppStore, type AppStore, type Selection } from './app-state';
 import { byId } from './dom';
+import { chosenForLandmark, releasedPairing } from './landmarks';
+import { showCertainty } from './panels/certainty';
 import { showColours } from './panels/colour-legend';
 import { showControls } from './panels/controls';
 import { showErrors } from './panels/errors';
 import { showExports } from './panels/export-buttons';
 import { takeScans } from './panels/intake';
-import { showLandmarks, withLandmark } from './panels/landmarks';
+import { showLandmarks } from './panels/landmarks';
 import { showOptions } from './panels/options';
 import { showProgress } from './panels/progress-line';
 import { showReadout } from './panels/readout';
+import { showRemark } from './panels/remark';
 import { showReport } from './panels/report';
 import { showScanCards } from './panels/scan-card';
+import { showScanFacts } from './panels/scan-facts';
 import { showViewTools } from './panels/view-tools';
 import { offerReadBack } from './read-back';
 import { listSamples } from './samples';
@@ -21,21 +25,24 @@ import { createViews } from './views/views';
 const store = createAppStore();
 const session = new Session(store);
 
-/** A point was chosen by click, tap, key or number. While a match is being corrected, a point of B ends that. */
+/** A point was chosen by click, tap, key or number: to be looked at, or as one half of a landmark. */
 function choose(selection: Selection | null): void {
-  const { correcting, landmarks } = store.get();
-  if (correcting !== null && selection?.side === 'b') {
-    const pinned = { side: 'a', index: correcting } as const;
-    store.set({ landmarks: withLandmark(landmarks, [correcting, selection.index]), correcting: null, pinned });
-    return;
-  }
-  store.set({ pinned: selection, hovered: null, correcting: null });
+  const state = store.get();
+  if (!state.pairing) store.set({ pinned: selection, hovered: null });
+  else if (selection) store.set({ ...chosenForLandmark(state, selection), hovered: null });
+}
+
+/** Escape lets go of the half of a landmark, then of making landmarks; otherwise of the point on show. */
+function release(): void {
+  const { pairing } = store.get();
+  if (pairing) store.set({ pairing: releasedPairing(pairing) });
+  else choose(null);
 }
 
 /** Without WebGL there is nothing to see, but scans can still be matched and maps saved. */
 function viewsIfPossible(store: AppStore): Stage | null {
   try {
-    return createViews(store, choose);
+    return createViews(store, { choose, release });
   } catch (error) {
     const notice = byId('no-webgl', HTMLElement);
     notice.textContent = 'This browser offers no WebGL, so the bodies cannot be drawn. Matching and exports work all the same.';
@@ -49,12 +56,15 @@ const stage = viewsIfPossible(store);
 takeScans(store, (side, source) => void session.load(side, source), listSamples());
 showScanCards(store);
 showErrors(store, (name) => session.dismiss(name));
+showRemark(store);
 showProgress(store);
 showControls(store, session);
 showColours(store);
 showReadout(store, choose);
 showLandmarks(store);
+showCertainty(store);
 showOptions(store);
+showScanFacts(store);
 showReport(store);
 showExports(store, stage);
 showViewTools(store, stage);

@@ -7,15 +7,22 @@ export interface Sample {
   readonly kind: 'mesh' | 'cloud';
 }
 
+/** What ships with the page. */
+export interface Samples {
+  readonly samples: readonly Sample[];
+  /** What the part labels of all of them stand for. */
+  readonly parts: readonly string[];
+}
+
+const none: Samples = { samples: [], parts: [] };
+
 /** The samples of the manifest; having none is no reason not to work. */
-export async function listSamples(): Promise<readonly Sample[]> {
+export async function listSamples(): Promise<Samples> {
   try {
     const response = await fetch('./samples/samples.json');
-    if (!response.ok) return [];
-    const manifest = (await response.json()) as { readonly samples: readonly Sample[] };
-    return manifest.samples;
+    return response.ok ? ((await response.json()) as Samples) : none;
   } catch {
-    return [];
+    return none;
   }
 }
 

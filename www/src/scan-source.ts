@@ -4,13 +4,22 @@ export interface ScanSource {
   readonly name: string;
   /** What the page calls it. */
   readonly title: string;
+  /** Equal for the same file, unchanged. */
+  readonly identity: string;
+  /** What its part labels stand for, where the page knows it. */
+  readonly partNames?: readonly string[];
   data(): Promise<Blob>;
 }
 
-export const fromFile = (file: File): ScanSource => ({ name: file.name, title: file.name, data: () => Promise.resolve(file) });
+export const fromFile = (file: File): ScanSource => ({
+  name: file.name,
+  title: file.name,
+  identity: [file.name, file.size, file.lastModified].join(' '),
+  data: () => Promise.resolve(file),
+});
 
 /** A file of the page's own. Once fetched it is kept, so that it is there when the network is not. */
-export function fromAddress(address: string, title: string): ScanSource {
+export function fromAddress(address: string, title: string, partNames: readonly string[] = []): ScanSource {
   let kept: Promise<Blob> | null = null;
   const fetched = async (): Promise<Blob> => {
     const response = await fetch(address);
@@ -20,6 +29,8 @@ export function fromAddress(address: string, title: string): ScanSource {
   return {
     name: address.slice(address.lastIndexOf('/') + 1),
     title,
+    identity: address,
+    partNames,
     data: () =>
       (kept ??= fetched().catch((cause: unknown) => {
         kept = null;

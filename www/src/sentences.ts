@@ -1,4 +1,4 @@
-import { GeoSeError, type Stage } from 'geose-fmap';
+import { GeoSeError, type ShapeInfo, type Stage } from 'geose-fmap';
 
 /** What each stage of the method does, in words for the progress line. */
 export const stageWords: Readonly<Record<Stage, string>> = {
@@ -21,7 +21,10 @@ export function sentence(error: unknown): string {
 }
 
 /** The package's messages are clauses; on the page they begin and end like sentences. */
-export const asSentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?…]$/.test(text) ? '' : '.');
+export const asSentence = (text: string): string => capital(text) + (/[.!?…]$/.test(text) ? '' : '.');
+
+/** With a capital first letter. */
+export const capital = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 
 const whole = new Intl.NumberFormat('en');
 
@@ -36,3 +39,21 @@ export function seconds(value: number): string {
   if (value < 0.0995) return `${Math.max(1, Math.round(value * 1000))} ms`;
   return `${value.toFixed(value < 9.95 ? 2 : 1)} s`;
 }
+
+/** A share in [0, 1] as a percentage that is never rounded to none or all. */
+export function percent(share: number): string {
+  if (share > 0 && share < 0.001) return 'less than 0.1 %';
+  if (share < 1 && share > 0.999) return 'more than 99.9 %';
+  return `${(100 * share).toFixed(share < 0.1 || share > 0.9 ? 1 : 0)} %`;
+}
+
+const centimetres = { m: 100, cm: 1, mm: 0.1 } as const;
+
+/** Turns multiples of a scan's √area into words: a length where its unit is known, else a share of its size. */
+export const lengthOn =
+  ({ unit, scale }: Pick<ShapeInfo, 'unit' | 'scale'>) =>
+  (share: number): string => {
+    if (unit === null) return `${percent(share)} of its size`;
+    const length = share * scale * centimetres[unit];
+    return length < 0.95 ? `${Math.round(10 * length)} mm` : `${length.toFixed(length < 9.5 ? 1 : 0)} cm`;
+  };

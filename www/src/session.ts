@@ -1,10 +1,10 @@
 import type { Matcher, Progress } from 'geose-fmap';
-import { isBusy, stepNames, type AppStore, type Scan, type Step, type StepName } from './app-state';
+import { isBusy, outdatedSides, stepNames, type AppStore, type Step, type StepName } from './app-state';
 import { reversed } from './match-direction';
 import { createMatcher } from './matcher';
 import type { ScanSource } from './scan-source';
 import { sentence } from './sentences';
-import { sides, type Side } from './side';
+import type { Side } from './side';
 
 /**
  * The page's dealings with the package: scans are prepared as they come, and once both are there the match runs by itself.
@@ -27,23 +27,19 @@ export class Session {
     );
   }
 
-  /** Prepares a scan for `side`, then matches if the other one is there too. */
+  /** Prepares a scan for `side`, then matches if the other one is there too, prepared with the same choices. */
   async load(side: Side, source: ScanSource): Promise<void> {
     if (this.#end('match')) this.#matchIsDue = true;
-    if (await this.#prepare(side, source)) this.#matchIsDue = true;
+    const [prepared] = await Promise.all([this.#prepare(side, source), ...this.#prepareOutdated(side)]);
+    if (prepared) this.#matchIsDue = true;
     await this.#matchIfDue();
   }
 
   /** Matches anew; scans that were prepared with other choices are prepared again first. */
   async match(): Promise<void> {
     this.#end('match');
-    const wanted = JSON.stringify(this.#store.get().prepareChoices);
-    const outdated = sides.filter((side) => {
-      const scan = this.#store.get().scans[side];
-      return scan !== null && !this.#tasks.has(side) && JSON.stringify(scan.choices) !== wanted;
-    });
     this.#matchIsDue = true;
-    const prepared = await Promise.all(outdated.map((side) => this.#prepare(side, (this.#store.get().scans[side] as Scan).source)));
+    const prepared = await Promise.all(this.#prepareOutdated());
     if (prepared.includes(false)) this.#matchIsDue = false;
     await this.#matchIfDue();
   }
@@ -63,13 +59,14 @@ export class Session {
       scans: { a: state.scans.b, b: state.scans.a },
       errors: { a: state.errors.b, b: state.errors.a, match: state.errors.match },
       steps: { a: state.steps.b, b: state.steps.a, match: state.steps.match },
+      remark: null,
       result: result && {
         ...result,
         match: reversed(result.match),
         landmarks: result.landmarks.map(([i, j]) => [j, i] as const),
       },
       landmarks,
-      correcting: null,
+      pairing: null,
       hovered: null,
       pinned: state.pinned && { side: state.pinned.side === 'a' ? 'b' : 'a', index: state.pinned.index },
     });
@@ -79,10 +76,19 @@ export class Session {
     this.#setError(name, null);
   }
 
+  /** Prepares again what was prepared with other choices, apart from `except` and from what is being prepared anyway. */
+  #prepareOutdated(except?: Side): Promise<boolean>[] {
+    const { scans } = this.#store.get();
+    return outdatedSides(this.#store.get()).flatMap((side) => {
+      const source = scans[side]?.source;
+      return source && side !== except && !this.#tasks.has(side) ? [this.#prepare(side, source)] : [];
+    });
+  }
+
   /** Resolves to whether the scan is now on show. */
   async #prepare(side: Side, source: ScanSource): Promise<boolean> {
     const choices = this.#store.get().prepareChoices;
-    return this.#run(side, async (matcher, call) => {
+    return this.#run(side, source, async (matcher, call) => {
       const data = await source.data();
       call.signal.throwIfAborted();
       const shape = await matcher.prepare(data, { ...choices, ...call, name: source.name });
@@ -97,7 +103,7 @@ export class Session {
         errors: { ...errors, match: null },
         steps: { ...steps, match: { status: 'waiting' } },
         // The same file prepared with other choices has the same points: what was found about them still holds.
-        ...(before?.source !== source && { result: null, landmarks: [], correcting: null, hovered: null, pinned: null }),
+        ...(before?.source.identity !== source.identity && { result: null, landmarks: [], pairing: null, hovered: null, pinned: null }),
       });
       before?.shape.free();
     });
@@ -108,7 +114,7 @@ export class Session {
     const { a, b } = scans;
     if (!this.#matchIsDue || this.#tasks.size > 0 || !a || !b) return;
     this.#matchIsDue = false;
-    await this.#run('match', async (matcher, call) => {
+    await this.#run('match', null, async (matcher, call) => {
       const match = await matcher.match(a.shape, b.shape, {
         ...matchChoices,
         landmarks,
@@ -121,13 +127,14 @@ export class Session {
   /** Runs one step with its progress line; resolves to whether it got to its end. */
   async #run(
     name: StepName,
+    source: ScanSource | null,
     work: (matcher: Matcher, call: { signal: AbortSignal; onProgress: (progress: Progress) => void }) => Promise<void>,
   ): Promise<boolean> {
     this.#end(name);
     const task = new AbortController();
     this.#tasks.set(name, task);
     this.#setError(name, null);
-    this.#setStep(name, { status: 'running', stage: null, fraction: 0 });
+    this.#setStep(name, { status: 'running', stage: null, fraction: 0, source });
     const finish = (step: Step): void => {
       this.#tasks.delete(name);
       this.#setStep(name, step);
@@ -136,7 +143,7 @@ export class Session {
       await work(await this.#matcher, {
         signal: task.signal,
         onProgress: ({ stage, fraction }) => {
-          if (!task.signal.aborted) this.#setStep(name, { status: 'running', stage, fraction });
+          if (!task.signal.aborted) this.#setStep(name, { status: 'running', stage, fraction, source });
         },
       });
       if (task.signal.aborted) return false;

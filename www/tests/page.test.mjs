@@ -11,7 +11,9 @@ import { after, before, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
 import { chromium } from 'playwright-core';
+import { ringPly } from './large-scan.mjs';
 import { meanError, surfaceOf } from './mean-error.mjs';
+import { readGlb, readPly } from './read-exports.mjs';
 
 const site = required('GEOSE_SITE_URL');
 const native = required('GEOSE_NATIVE');
@@ -188,25 +190,139 @@ test('a match can be cancelled and done again', async () => {
   assert.deepEqual(await mapOf(page), before);
 });
 
-test('a landmark given by hand goes into the next match, and swapping turns everything round', async () => {
-  await page.fill('#point-a', '100');
-  await page.press('#point-a', 'Enter');
-  await page.click('#add-landmark');
-  await page.fill('#point-b', '100');
-  await page.press('#point-b', 'Enter');
-  assert.match(await page.locator('#landmarks').textContent(), /A 100 is B 100/);
+test('parts that came with the scans are coloured and named', async () => {
+  await page.selectOption('#colour', 'part');
+  const names = await page.locator('#legend li').allTextContents();
+  assert.deepEqual(names, await page.evaluate(() => window.geose.shapes[0].parts.names));
+  assert.equal(names.length, 14);
+  const swatches = await page.locator('#legend .swatch').evaluateAll((all) => all.map((each) => each.style.background));
+  assert.equal(new Set(swatches).size, 14, 'two parts share a colour');
+  await page.selectOption('#colour', 'correspondence');
+});
+
+test('how sure the match is stands in sentences, its warnings with it', async () => {
+  const { targetOf, confidence } = await mapOf(page);
+  const matched = targetOf.flatMap((target, i) => (target === unmatched ? [] : [i]));
+  const doubted = matched.filter((i) => confidence[i] < 0.5).length / matched.length;
+  const text = await page.locator('#certainty').textContent();
+  const told = /([\d.]+) % of them are below 0\.5 confidence|None of them is below/.exec(text);
+  assert.ok(told && Math.abs(Number(told[1] ?? 0) - 100 * doubted) <= (doubted < 0.1 ? 0.051 : 0.51), `${text} (${doubted})`);
+  assert.match(text, /Taken to B and back, half of A’s points end .* where they began/);
+  const warnings = await page.evaluate(() => window.geose.match.report.warnings);
+  const shown = await page.locator('#certainty .warnings li').allTextContents();
+  assert.deepEqual(
+    shown.map((each) => each.toLowerCase().replace(/\.$/, '')),
+    warnings.map((each) => each.toLowerCase().replace(/\.$/, '')),
+  );
+});
+
+test('the bodies are exported with the colours on show, in their own order, place and unit', async () => {
+  const { targetOf } = await mapOf(page);
+  const a = readPly(await exported(page, '#export-a-ply'));
+  const b = readPly(await exported(page, '#export-b-ply'));
+  const sample = readPly(await readFile(join(samples, pair[0])));
+  assert.deepEqual(a.positions, sample.positions);
+  assert.equal(a.faces, sample.faces);
+  const colourOf = (body, i) => body.colours.slice(3 * i, 3 * i + 3).join();
+  assert.ok(new Set(targetOf.map((_, i) => colourOf(a, i))).size > 1000, 'one colour for all');
+  for (const [i, j] of targetOf.entries()) if (j !== unmatched) assert.equal(colourOf(a, i), colourOf(b, j), `point ${i} of A, ${j} of B`);
+
+  const glb = readGlb(await exported(page, '#export-b-glb'));
+  const [{ attributes, indices }] = glb.meshes[0].primitives;
+  assert.equal(glb.accessors[attributes.POSITION].count, b.positions.length / 3);
+  assert.equal(glb.accessors[attributes.COLOR_0].count, b.positions.length / 3);
+  assert.equal(glb.accessors[indices].count, 3 * b.faces);
+  assert.equal(glb.nodes[0].name, pair[1]);
+});
+
+test('numbers out of range are refused beside their field, and the choices go into the next match and back', async () => {
+  const before = await mapOf(page);
+  await page.locator('#section-options summary').click();
+  await page.fill('#option-eigenpairs', '5');
+  assert.match(await page.locator('#refusal-eigenpairs').textContent(), /from 10 to 1,000; 120 stays in force/);
+  assert.equal(await page.getAttribute('#option-eigenpairs', 'aria-invalid'), 'true');
+  await page.press('#option-eigenpairs', 'Enter');
+  assert.equal(await page.locator('#options-note').textContent(), '', 'a refused number changes nothing');
+  await page.fill('#option-eigenpairs', '60');
+  await page.press('#option-eigenpairs', 'Enter');
+  assert.equal(await page.locator('#refusal-eigenpairs').isVisible(), false);
+  assert.match(await page.locator('#options-note').textContent(), /A and B will be prepared anew/);
+  await page.selectOption('#options [name=parts]', 'given');
   await page.click('#match');
   await matched(page);
-  await page.click('#landmarks button');
+  const { a, b, match } = JSON.parse(await exported(page, '#export-json', 'utf8'));
+  assert.deepEqual([a.prepared, b.prepared, match.parts], [{ eigenpairs: 60 }, { eigenpairs: 60 }, 'given']);
+  assert.deepEqual(await page.evaluate(() => window.geose.shapes.map(({ info }) => info.eigenpairs)), [60, 60]);
+  assert.equal(await page.locator('#options-note').textContent(), '');
 
+  await page.fill('#option-points', '12');
+  await page.locator('#options button[type=reset]').click();
+  assert.equal(await page.locator('#refusal-points').isVisible(), false);
+  assert.equal(await page.inputValue('#option-eigenpairs'), '');
+  await page.click('#match');
+  await matched(page);
+  assert.deepEqual(await mapOf(page), before);
+  await page.locator('#section-options summary').click();
+});
+
+test('landmarks are made by clicking pairs, by keys and by numbers, and the next match keeps to them', async () => {
+  const markers = (side) => page.locator(`#line .marker.shown[data-side=${side}] text`).allTextContents();
+  await page.click('#add-landmark');
+  await page.mouse.click(...(await centre(page, '#view-a', 0.5, 0.4)));
+  assert.match(await page.locator('#pairing-words').textContent(), /^Landmark 1: point \d+ of A; now the same place on B/);
+  assert.deepEqual([await markers('a'), await markers('b')], [['1'], []]);
+  await page.mouse.click(...(await centre(page, '#view-b', 0.52, 0.4)));
+  assert.deepEqual([await markers('a'), await markers('b')], [['1'], ['1']]);
+  assert.match(await page.locator('#landmarks li').textContent(), /A \d+ is B \d+/);
+
+  await page.fill('#point-b', '100');
+  await page.press('#point-b', 'Enter');
+  await page.fill('#point-a', '100');
+  await page.press('#point-a', 'Enter');
+  assert.match(await page.locator('#landmarks').textContent(), /A 100 is B 100/);
+
+  await page.locator('#view-a').focus();
+  await page.keyboard.press('ArrowUp');
+  await page.keyboard.press('ArrowUp');
+  assert.equal(await page.locator('#landmarks li').count(), 2, 'walking chooses nothing');
+  await page.keyboard.press('Enter');
+  await page.keyboard.press('Tab');
+  await page.keyboard.press('ArrowLeft');
+  await page.keyboard.press('Enter');
+  assert.equal(await page.locator('#landmarks li').count(), 3);
+  assert.deepEqual(
+    [(await markers('a')).sort(), (await markers('b')).sort()],
+    [
+      ['1', '2', '3'],
+      ['1', '2', '3'],
+    ],
+  );
+  const fills = await page
+    .locator('#line .marker')
+    .evaluateAll((all) => all.map((each) => each.querySelector('circle').getAttribute('fill')));
+  assert.equal(new Set(fills).size, 3, 'both ends of a landmark have one colour');
+  await page.keyboard.press('Escape');
+  assert.equal(await page.locator('#pairing.shown').count(), 0);
+
+  await page.locator('#landmarks button').last().click();
+  assert.equal(await page.locator('#landmarks li').count(), 2);
+  await page.click('#match');
+  await matched(page);
+  const { match } = JSON.parse(await exported(page, '#export-json', 'utf8'));
+  assert.equal(match.landmarks.length, 2);
+  assert.deepEqual(match.landmarks[1], [100, 100]);
+  for (let left = 2; left > 0; left--) await page.locator('#landmarks button').first().click();
+});
+
+test('swapping turns everything round', async () => {
+  await page.click('#match');
+  await matched(page);
   const { targetOf, reverse } = await mapOf(page);
   await page.click('#swap');
   const swapped = await mapOf(page);
   assert.deepEqual(swapped.targetOf, reverse);
   assert.deepEqual(swapped.reverse, targetOf);
   await page.click('#swap');
-  await page.click('#match');
-  await matched(page);
 });
 
 test('it goes on working when the network is gone, a cancelled match included', async () => {
@@ -221,6 +337,109 @@ test('it goes on working when the network is gone, a cancelled match included', 
     await page.context().setOffline(false);
   }
 });
+
+test('drops that are too many, known already or come while it works are told in a sentence', async () => {
+  const other = await open({ viewport: { width: 1440, height: 900 } });
+  const remark = () => other.locator('#remark p').textContent();
+  await drop(other, '#view-b', []);
+  assert.match(await remark(), /no file/);
+  await drop(other, '#drop-a', [...pair, 'man-standing.ply']);
+  assert.equal(await remark(), `A match takes two scans: ${pair[0]} and ${pair[1]} were taken, man-standing.ply was left out.`);
+  await drop(other, '#drop-a', [pair[0]]);
+  assert.equal(await remark(), `${pair[0]} is scan A already.`);
+  await other.waitForFunction(() => document.querySelector('#step-match').dataset.status === 'running', null, { timeout: matchTimeout });
+  await drop(other, '#drop-b', ['man-standing.ply']);
+  assert.equal(await remark(), 'The match under way was stopped; it begins anew with man-standing.ply.');
+  await matched(other);
+  assert.deepEqual(await other.evaluate(() => window.geose.shapes.map(({ info }) => info.name)), [pair[0], 'man-standing.ply']);
+  await drop(other, '#drop-b', ['man-standing.ply']);
+  assert.equal(await remark(), 'man-standing.ply is scan B already.');
+  assert.equal(await other.evaluate(() => window.geose.state()), 'matched', 'nothing was done anew');
+  await other.click('#remark button');
+  await drop(other, '#drop-b', [pair[0]]);
+  assert.match(await remark(), /^Both scans are the same file/);
+  await other.context().close();
+});
+
+test('what was repaired is folded away under its number, and what needs labels is greyed with a reason', async () => {
+  const other = await open({ viewport: { width: 1440, height: 900 } });
+  const side = 12;
+  const grid = Array.from({ length: side * side }, (_, i) => `v ${i % side} ${Math.floor(i / side)} ${Math.sin(i)}`);
+  const squares = grid.flatMap((_, i) => {
+    const corner = i + 1;
+    return i % side < side - 1 && corner + side < grid.length ? [`f ${corner} ${corner + 1} ${corner + side + 1} ${corner + side}`] : [];
+  });
+  await drop(other, '#drop-a', [{ name: 'grid.obj', bytes: Buffer.from([...grid, ...squares, 'f 1 1 2', ''].join('\n')) }]);
+  await other.waitForFunction(() => window.geose.shapes[0] !== null, null, { timeout: matchTimeout });
+  const messages = await other.evaluate(() => window.geose.shapes[0].repairs.map(({ message }) => message));
+  assert.ok(messages.length > 0);
+  assert.equal(await other.locator('#repairs-a ul').isVisible(), false);
+  assert.match(await other.locator('#repairs-a summary').textContent(), new RegExp(`^A: ${messages.length} repair`));
+  await other.locator('#repairs-a summary').click();
+  const shown = await other.locator('#repairs-a li').allTextContents();
+  messages.forEach((message, k) => assert.ok(shown[k].toLowerCase().startsWith(message.toLowerCase()), shown[k]));
+  for (const fact of ['Points144', 'Pieces1', 'Laplaciancotangent']) {
+    assert.ok((await other.locator('#scan-facts tr').allTextContents()).includes(fact), fact);
+  }
+
+  assert.equal(await other.locator('#colour-part').isDisabled(), true);
+  assert.match(await other.locator('#colour-part').textContent(), /no labels came with these scans/);
+  await other.locator('#section-options summary').click();
+  assert.equal(await other.locator('#parts-given').isDisabled(), true);
+  assert.match(await other.locator('#parts-note').textContent(), /^A came without labels/);
+
+  await other.selectOption('#sample-b', 'woman-standing.ply');
+  await other.waitForFunction(() => window.geose.shapes[1] !== null, null, { timeout: matchTimeout });
+  assert.equal(await other.locator('#colour-part').isDisabled(), false);
+  await other.selectOption('#colour', 'part');
+  const names = await other.locator('#legend li').allTextContents();
+  assert.ok(names.includes('left hand') && names.includes('right hand'), names.join());
+  assert.match(await other.locator('#legend').textContent(), /A has none and is grey/);
+  await other.context().close();
+});
+
+for (const kind of ['mesh', 'cloud']) {
+  test(`pointing at a ${kind} of 200 000 points keeps up with the mouse`, async (t) => {
+    const other = await open({ viewport: { width: 1440, height: 900 } });
+    await drop(other, '#drop-a', [{ name: `ring-${kind}.ply`, bytes: ringPly(450, 450, kind === 'mesh') }]);
+    await other.waitForFunction(() => window.geose.shapes[0] !== null, null, { timeout: 2 * matchTimeout });
+    await other.evaluate(() => {
+      window.waits = [];
+      const frame = window.requestAnimationFrame.bind(window);
+      window.requestAnimationFrame = (call) =>
+        frame((now) => {
+          const started = performance.now();
+          call(now);
+          window.waits.push(performance.now() - started);
+        });
+    });
+    const picked = [];
+    for (let k = 0; k < 30; k++) {
+      await other.evaluate(() => (window.waits.length = 0));
+      await other.mouse.move(...(await centre(other, '#view-a', 0.2 + 0.02 * k, 0.3)));
+      await other.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+      const [index, waits] = [await other.inputValue('#point-a'), await other.evaluate(() => window.waits)];
+      if (index !== '') picked.push({ index: Number(index), wait: Math.max(...waits) });
+    }
+    const waits = picked.map(({ wait }) => wait).sort((left, right) => left - right);
+    t.diagnostic(`a hover takes ${waits[waits.length >> 1].toFixed(2)} ms (median), at most ${waits.at(-1).toFixed(1)} ms`);
+    assert.ok(picked.length > 10, `only ${picked.length} points were found`);
+    const places = await other.evaluate(
+      (indices) => {
+        const { positions } = window.geose.shapes[0].geometry();
+        return indices.map((i) => [...positions.subarray(3 * i, 3 * i + 3)]);
+      },
+      picked.map(({ index }) => index),
+    );
+    places.slice(1).forEach(([x], k) => assert.ok(x > places[k][0], 'the mouse went right, and so did the point'));
+    assert.ok(Math.max(...places.map(([, y]) => y)) - Math.min(...places.map(([, y]) => y)) < 0.15, 'at one height');
+    assert.ok(
+      places.every(([, , z]) => z > -0.05),
+      'on the side that is seen',
+    );
+    await other.context().close();
+  });
+}
 
 test('on a phone nothing is cut off, and a tap finds a point', async () => {
   const phone = await open({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 });
@@ -265,7 +484,8 @@ async function drop(on, selector, files) {
   const transfer = await on.evaluateHandle((list) => {
     const data = new DataTransfer();
     for (const { name, base64 } of list) {
-      data.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], name));
+      // One file is the same each time only if it is as old.
+      data.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], name, { lastModified: 0 }));
     }
     return data;
   }, given);

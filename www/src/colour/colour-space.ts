@@ -19,8 +19,11 @@ export function fromHex(hex: string): LinearRgb {
   return [channel(0), channel(1), channel(2)];
 }
 
+/** A channel as sRGB, in [0, 255]. */
+export const toByte = (channel: number): number => Math.round(255 * encode(channel));
+
 /** For style sheets and 2D canvases. */
-export const toCss = (colour: LinearRgb): string => `rgb(${colour.map((value) => Math.round(255 * encode(value))).join(' ')})`;
+export const toCss = (colour: LinearRgb): string => `rgb(${colour.map(toByte).join(' ')})`;
 
 export const mix = (from: LinearRgb, to: LinearRgb, share: number): LinearRgb => [
   from[0] + (to[0] - from[0]) * share,

@@ -1,3 +1,4 @@
+import type { DisplayFrame } from '../views/display-frame';
 import { fromOklab, type LinearRgb } from './colour-space';
 
 /**
@@ -10,15 +11,9 @@ export function placeColour(x: number, y: number, z: number): LinearRgb {
   return fromOklab(lightness, hue, 0.34 * (x - 0.5));
 }
 
-/** Place colours of positions xyz: linear RGB per point. */
-export function placeColours(positions: Float32Array): Float32Array {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < positions.length; i++) {
-    low[i % 3] = Math.min(low[i % 3], positions[i]);
-    high[i % 3] = Math.max(high[i % 3], positions[i]);
-  }
-  const share = (i: number): number => (positions[i] - low[i % 3]) / (high[i % 3] - low[i % 3] || 1);
+/** Place colours of a body as it is drawn: linear RGB per point. */
+export function placeColours({ positions, halfExtent }: DisplayFrame): Float32Array {
+  const share = (i: number): number => Math.min(1, Math.max(0, 0.5 + positions[i] / (2 * halfExtent[i % 3] || 1)));
   const colours = new Float32Array(positions.length);
   for (let i = 0; i < positions.length; i += 3) colours.set(placeColour(share(i), share(i + 1), share(i + 2)), i);
   return colours;

@@ -1,15 +1,18 @@
 import type { AppState, AppStore, ColourMode } from '../app-state';
 import { toCss } from '../colour/colour-space';
 import type { Legend } from '../colour/legend';
-import { unknownColour } from '../colour/painted-colours';
 import { partPalette } from '../colour/part-palette';
 import { placeColour } from '../colour/place-colours';
 import { diverging, sequential } from '../colour/ramp';
+import { jointPartNames, partsMissing, partsOf, sidesWithoutParts } from '../colour/scan-parts';
 import { byId, create } from '../dom';
+import { asSentence } from '../sentences';
+import { letter, sides } from '../side';
 
 /** The colour menu and what the colours mean. */
 export function showColours(store: AppStore): void {
   const menu = byId('colour', HTMLSelectElement);
+  const part = byId('colour-part', HTMLOptionElement);
   const eigenRow = byId('eigen-row', HTMLElement);
   const eigen = byId('eigen', HTMLInputElement);
   const slider = byId('eigen-slider', HTMLInputElement);
@@ -23,6 +26,9 @@ export function showColours(store: AppStore): void {
   store.watch(['colour', 'eigenfunction', 'scans', 'result'], (state) => {
     const computed = [state.scans.a, state.scans.b].flatMap((scan) => (scan ? [scan.shape.info.eigenpairs] : []));
     const most = String((computed.length > 0 ? Math.min(...computed) : 120) - 1);
+    const missing = partsMissing(state);
+    part.disabled = missing !== null;
+    part.textContent = missing === null ? 'Part' : `Part (${missing})`;
     eigenRow.hidden = state.colour !== 'eigenfunction';
     for (const input of [eigen, slider]) {
       input.max = most;
@@ -42,18 +48,8 @@ function legendOf(state: AppState): Legend {
     case 'confidence':
       if (!result) return words('There is no match yet to be sure of.');
       return { kind: 'scale', ramp: sequential, marks: ['0', '0.5', '1'], words: 'Confidence of the match; grey has none.' };
-    case 'part': {
-      const found = [scans.a, scans.b].map((scan) => scan?.shape.parts ?? null);
-      const parts = found.find((each) => each !== null);
-      if (!parts) return words(hasScan ? 'No parts are known for these scans.' : '');
-      const palette = partPalette(parts.names);
-      const sources = new Set(found.flatMap((each) => (each ? [each.source] : [])));
-      return {
-        kind: 'parts',
-        parts: parts.names.map((name, k) => ({ name: name.replaceAll(/[_-]/g, ' '), colour: palette[k] })),
-        words: `Parts ${[...sources].join(' and ')}.`,
-      };
-    }
+    case 'part':
+      return partLegend(state);
     case 'eigenfunction': {
       if (!hasScan) return words('');
       const text = 'Each body on its own scale. Number 0 is constant, higher ones swing faster; the sign of each is free.';
@@ -62,6 +58,20 @@ function legendOf(state: AppState): Legend {
     case 'plain':
       return words('');
   }
+}
+
+function partLegend(state: AppState): Legend {
+  const missing = partsMissing(state);
+  if (missing !== null) return words(asSentence(`${missing}, so there are no parts to show`));
+  const names = jointPartNames(state);
+  const palette = partPalette(names);
+  const sources = new Set(sides.flatMap((side) => (state.scans[side] && partsOf(state.scans[side])?.source) ?? []));
+  const bare = sidesWithoutParts(state).map((side) => ` ${letter(side)} has none and is grey.`);
+  return {
+    kind: 'parts',
+    parts: names.map((name, k) => ({ name: name.replaceAll(/[_-]/g, ' '), colour: palette[k] })),
+    words: `Parts ${[...sources].join(' and ')}${sources.has('given') ? ' as labels of the scans' : ''}.${bare.join('')}`,
+  };
 }
 
 const words = (text: string): Legend => ({ kind: 'words', words: text });
@@ -83,7 +93,7 @@ function draw(legend: Legend): Node[] {
       const list = create('ul', { className: 'parts' });
       for (const { name, colour } of legend.parts) {
         const swatch = create('span', { className: 'swatch' });
-        swatch.style.background = toCss(colour ?? unknownColour);
+        swatch.style.background = toCss(colour);
         list.append(create('li', {}, swatch, name));
       }
       return [list, sentence];

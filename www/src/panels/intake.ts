@@ -1,33 +1,51 @@
 import type { AppStore } from '../app-state';
 import { byId, create } from '../dom';
-import { samplePair, type Sample } from '../samples';
+import { emptySide, folderRemark, planIntake } from '../intake-plan';
+import { samplePair, type Samples } from '../samples';
 import { fromAddress, fromFile, type ScanSource } from '../scan-source';
-import { opposite, sides, type Side } from '../side';
+import { sides, type Side } from '../side';
 
 /** The ways in: dropping, choosing a file, picking a sample. */
-export function takeScans(store: AppStore, load: (side: Side, source: ScanSource) => void, samples: Promise<readonly Sample[]>): void {
-  const take = (side: Side, files: readonly File[]): void => {
-    const [first, second] = files;
-    if (first) load(side, fromFile(first));
-    if (second) load(opposite(side), fromFile(second));
+export function takeScans(store: AppStore, load: (side: Side, source: ScanSource) => void, samples: Promise<Samples>): void {
+  const take = (side: Side, sources: readonly ScanSource[]): void => {
+    const { loads, remark } = planIntake(store.get(), side, sources);
+    store.set({ remark });
+    for (const [to, source] of loads) load(to, source);
+  };
+  const takeDropped = (side: Side, { files, folders }: Dropped): void => {
+    if (files.length === 0 && folders[0]) store.set({ remark: folderRemark(folders[0]) });
+    else take(side, files.map(fromFile));
   };
   for (const side of sides) {
     const input = byId(`file-${side}`, HTMLInputElement);
     input.multiple = true;
     input.addEventListener('change', () => {
-      take(side, [...(input.files ?? [])]);
+      if (input.files?.length) take(side, [...input.files].map(fromFile));
       // The same file again is a wish, too: without this the browser would not tell.
       input.value = '';
     });
-    for (const id of [`drop-${side}`, `view-${side}`]) acceptDrops(byId(id, HTMLElement), (files) => take(side, files));
+    for (const id of [`drop-${side}`, `view-${side}`]) acceptDrops(byId(id, HTMLElement), (dropped) => takeDropped(side, dropped));
   }
   // Beside the two zones a lone file goes where there is room; nothing ever replaces the page itself.
-  acceptDrops(document.documentElement, (files) => take(files.length < 2 && store.get().scans.a ? 'b' : 'a', files));
-  void samples.then((list) => offerSamples(store, load, list));
+  acceptDrops(document.documentElement, (dropped) => takeDropped(dropped.files.length > 1 ? 'a' : emptySide(store.get()), dropped));
+  void samples.then((list) => offerSamples(store, take, list));
+}
+
+/** What came with a drop; folders are told apart because they read like broken files. */
+interface Dropped {
+  readonly files: readonly File[];
+  readonly folders: readonly string[];
+}
+
+function droppedWith(transfer: DataTransfer | null): Dropped {
+  const files = [...(transfer?.files ?? [])];
+  const entries = [...(transfer?.items ?? [])].map((item) => item.webkitGetAsEntry());
+  const folders = entries.flatMap((entry) => (entry?.isDirectory ? [entry.name] : []));
+  return { files: files.filter(({ name }) => !folders.includes(name)), folders };
 }
 
 /** Two files on one side fill both, the first one A's if dropped on A. */
-function acceptDrops(zone: HTMLElement, take: (files: readonly File[]) => void): void {
+function acceptDrops(zone: HTMLElement, take: (dropped: Dropped) => void): void {
   let depth = 0;
   const highlight = (): void => void zone.classList.toggle('over', depth > 0);
   zone.addEventListener('dragenter', (event) => {
@@ -45,16 +63,12 @@ function acceptDrops(zone: HTMLElement, take: (files: readonly File[]) => void):
     highlight();
     if (event.defaultPrevented) return;
     event.preventDefault();
-    take([...(event.dataTransfer?.files ?? [])]);
+    take(droppedWith(event.dataTransfer));
   });
 }
 
-function offerSamples(store: AppStore, load: (side: Side, source: ScanSource) => void, samples: readonly Sample[]): void {
-  const sources = new Map(samples.map(({ file, title }) => [file, fromAddress(`./samples/${file}`, title)]));
-  const loadSample = (side: Side, file: string | undefined): void => {
-    const source = sources.get(file ?? '');
-    if (source) load(side, source);
-  };
+function offerSamples(store: AppStore, take: (side: Side, sources: readonly ScanSource[]) => void, { samples, parts }: Samples): void {
+  const sources = new Map(samples.map(({ file, title }) => [file, fromAddress(`./samples/${file}`, title, parts)]));
   // They are small: with all of them here the page shows what it can do without a network, too.
   setTimeout(() => void Promise.allSettled([...sources.values()].map((source) => source.data())), 2000);
   for (const side of sides) {
@@ -62,7 +76,10 @@ function offerSamples(store: AppStore, load: (side: Side, source: ScanSource) =>
     menu.append(create('option', { value: '', textContent: 'Samples' }));
     menu.append(...samples.map((sample) => create('option', { value: sample.file, textContent: sample.title })));
     menu.disabled = samples.length === 0;
-    menu.addEventListener('change', () => loadSample(side, menu.value));
+    menu.addEventListener('change', () => {
+      const source = sources.get(menu.value);
+      if (source) take(side, [source]);
+    });
     // The menu names the sample on show, and only that.
     store.watch(['scans'], ({ scans }) => {
       const shown = scans[side]?.source;
@@ -73,8 +90,10 @@ function offerSamples(store: AppStore, load: (side: Side, source: ScanSource) =>
   const pair = samplePair(samples);
   button.hidden = pair === null;
   if (!pair) return;
-  button.addEventListener('click', () => {
-    loadSample('a', pair[0].file);
-    loadSample('b', pair[1].file);
-  });
+  button.addEventListener('click', () =>
+    take(
+      'a',
+      pair.flatMap(({ file }) => sources.get(file) ?? []),
+    ),
+  );
 }

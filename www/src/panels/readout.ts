@@ -10,22 +10,26 @@ export function showReadout(store: AppStore, choose: (selection: Selection | nul
   const readout = byId('readout', HTMLElement);
   const live = byId('readout-live', HTMLElement);
   for (const side of sides) {
-    inputs[side].addEventListener('change', () => {
+    const input = inputs[side];
+    input.addEventListener('change', () => {
       const points = store.get().scans[side]?.shape.info.points ?? 0;
-      const { value, valueAsNumber: index } = inputs[side];
-      if (value === '') choose(null);
-      else if (Number.isInteger(index) && index >= 0 && index < points) choose({ side, index });
-      else readout.textContent = `Points of scan ${letter(side)} are numbered from 0 to ${count(points - 1)}.`;
+      const { value, valueAsNumber: index } = input;
+      const refused = input.validity.badInput || (value !== '' && !(Number.isInteger(index) && index >= 0 && index < points));
+      input.setAttribute('aria-invalid', String(refused));
+      if (refused) readout.textContent = `Points of scan ${letter(side)} are numbered from 0 to ${count(points - 1)}.`;
+      else choose(value === '' ? null : { side, index });
     });
   }
-  store.watch(['scans', 'result', 'hovered', 'pinned', 'correcting'], (state) => {
-    const selection = shownSelection(state);
+  store.watch(['scans', 'result', 'hovered', 'pinned', 'pairing'], (state) => {
+    const selection = state.hovered ?? state.pinned;
     for (const side of sides) {
+      const input = inputs[side];
       const points = state.scans[side]?.shape.info.points;
-      inputs[side].disabled = points === undefined;
-      if (points !== undefined) inputs[side].max = String(points - 1);
+      input.disabled = points === undefined;
+      if (points !== undefined) input.max = String(points - 1);
       const index = indexOn(state, side, selection);
-      inputs[side].value = index === null ? '' : String(index);
+      input.value = index === null ? '' : String(index);
+      input.setAttribute('aria-invalid', 'false');
     }
     readout.textContent = words(state, selection);
     // Hovering would talk without end; what was chosen on purpose is read out.
@@ -34,23 +38,16 @@ export function showReadout(store: AppStore, choose: (selection: Selection | nul
   });
 }
 
-/** While a match is corrected, its point of A stays and B waits for its number. */
-const shownSelection = ({ hovered, pinned, correcting }: AppState): Selection | null =>
-  correcting !== null && hovered?.side !== 'b' ? { side: 'a', index: correcting } : (hovered ?? pinned);
-
-function indexOn({ result, correcting }: AppState, side: Side, selection: Selection | null): number | null {
-  if (correcting !== null && side === 'a') return correcting;
-  if (!selection) return null;
-  if (selection.side === side) return selection.index;
-  if (correcting !== null) return null;
+/** While a landmark is made, each side shows its own point: the one chosen, or the one pointed at. */
+function indexOn({ result, pairing }: AppState, side: Side, selection: Selection | null): number | null {
+  const pointed = selection?.side === side ? selection.index : null;
+  if (pairing) return pairing[side] ?? pointed;
+  if (pointed !== null || !selection) return pointed;
   return result && partnerOf(result.match, selection.side, selection.index);
 }
 
-function words({ scans, result, correcting }: AppState, selection: Selection | null): string {
-  if (correcting !== null) {
-    return `Show where point ${correcting} of A belongs: choose a point of B, or type its number. Escape leaves it.`;
-  }
-  if (!selection) return scans.a || scans.b ? 'Point at either body, or walk over it with the arrow keys.' : '';
+function words({ scans, result }: AppState, selection: Selection | null): string {
+  if (!selection) return scans.a || scans.b ? 'Point at either body, or walk over it with the arrow keys.' : 'No scan yet.';
   const { side, index } = selection;
   const here = `Point ${index} of ${letter(side)}`;
   if (!result) return `${here}.`;

@@ -1,6 +1,6 @@
-import type { AppState, AppStore } from '../app-state';
+import { arriving, type AppState, type AppStore } from '../app-state';
 import { byId } from '../dom';
-import { count, counted } from '../sentences';
+import { counted } from '../sentences';
 import { letter, sides, type Side } from '../side';
 
 /** Name and counts of each scan. */
@@ -12,15 +12,20 @@ export function showScanCards(store: AppStore): void {
     store.watch(['scans', 'steps'], (state) => {
       const scan = state.scans[side];
       card.classList.toggle('filled', scan !== null);
-      name.textContent = scan?.source.title ?? `Scan ${letter(side)}`;
+      const title = scan?.source.title ?? arriving(state, side)?.title ?? `Scan ${letter(side)}`;
+      name.textContent = title;
+      name.title = title;
       facts.textContent = factsOf(state, side);
     });
   }
 }
 
-function factsOf({ scans, steps }: AppState, side: Side): string {
-  const scan = scans[side];
-  if (!scan) return steps[side].status === 'running' ? 'On its way…' : 'Drop a file here, choose one, or pick a sample.';
+function factsOf(state: AppState, side: Side): string {
+  const scan = state.scans[side];
+  const coming = arriving(state, side);
+  if (coming && coming !== scan?.source) return scan ? `${coming.title} is on its way…` : 'On its way…';
+  if (!scan) return 'Drop a file here, choose one, or pick a sample.';
   const { kind, points, faces } = scan.shape.info;
-  return kind === 'mesh' ? `Mesh, ${counted(points, 'point')}, ${count(faces)} faces` : `Cloud, ${counted(points, 'point')}`;
+  if (faces === 0) return `Cloud, ${counted(points, 'point')}`;
+  return `${kind === 'mesh' ? 'Mesh' : 'Mesh taken as cloud'}, ${counted(points, 'point')}, ${counted(faces, 'face')}`;
 }

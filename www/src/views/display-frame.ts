@@ -1,4 +1,6 @@
-import type { ShapeInfo } from 'geose-fmap';
+import type { Axis, PreparedShape } from 'geose-fmap';
+import * as THREE from 'three';
+import type { Scan } from '../app-state';
 
 /** Positions ready to be drawn: y up, box around the origin, lengths in units of √area so that all bodies have one size. */
 export interface DisplayFrame {
@@ -31,15 +33,44 @@ const turns: Readonly<Record<'x' | 'y' | 'z', readonly [Turn, Turn, Turn]>> = {
   ],
 };
 
-/** The scan's points as they are drawn; a scan of which no axis is clearly up stays as it is. */
-export function displayFrame(points: Float64Array, { upAxis, scale }: Pick<ShapeInfo, 'upAxis' | 'scale'>): DisplayFrame {
+/** The rotation that puts a scan's upward axis upright; a scan of which no axis is clearly up stays as it is. */
+export function upright(upAxis: Axis | null): THREE.Quaternion {
+  const matrix = new THREE.Matrix4().set(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);
+  turns[upAxis ?? 'y'].forEach(([axis, sign], row) => (matrix.elements[4 * axis + row] = sign));
+  return new THREE.Quaternion().setFromRotationMatrix(matrix);
+}
+
+const kept = new WeakMap<PreparedShape, DisplayFrame>();
+
+/** The scan's points as they are drawn, made once per scan and shared. */
+export function displayFrame(scan: Scan): DisplayFrame {
+  const known = kept.get(scan.shape);
+  if (known) return known;
+  const frame = frameOf(scan);
+  kept.set(scan.shape, frame);
+  return frame;
+}
+
+/** The faces that are drawn: those of the scan, unless they were to be ignored. */
+export const drawnFaces = (scan: Scan): Uint32Array<ArrayBuffer> | null =>
+  scan.choices.faces === 'ignore' ? null : scan.shape.geometry().faces;
+
+function frameOf(scan: Scan): DisplayFrame {
+  const { upAxis, scale } = scan.shape.info;
+  const points = scan.shape.geometry().positions;
   const turn = turns[upAxis ?? 'y'];
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < points.length; i++) {
-    low[i % 3] = Math.min(low[i % 3], points[i]);
-    high[i % 3] = Math.max(high[i % 3], points[i]);
-  }
+  const include = (point: number): void => {
+    for (let k = 0; k < 3; k++) {
+      low[k] = Math.min(low[k], points[3 * point + k]);
+      high[k] = Math.max(high[k], points[3 * point + k]);
+    }
+  };
+  // Points of a mesh that belong to no face are not seen, however far off they lie.
+  const faces = drawnFaces(scan);
+  if (faces) faces.forEach(include);
+  else for (let i = 0; 3 * i < points.length; i++) include(i);
   const positions = new Float32Array(points.length);
   for (let i = 0; i < points.length; i += 3) {
     for (let k = 0; k < 3; k++) {

@@ -1,6 +1,5 @@
 import { opposite, type Side } from '../side';
-import { isHidden } from './picking';
-import { project } from './projection';
+import { drawn, place, placeOf } from './overlay';
 import type { Stage } from './stage';
 
 /** What to show: a point and, unless it is unmatched, its point on the other scan. */
@@ -8,6 +7,8 @@ export interface Pair {
   readonly side: Side;
   readonly index: number;
   readonly partner: number | null;
+  /** The point has a marker of its own and needs no ring. */
+  readonly marked: boolean;
 }
 
 /** The overlay that ties a point to its match; a ring drawn dashed lies on the far side of its body. */
@@ -21,18 +22,10 @@ export class MatchLine {
     private readonly stage: Stage,
     private readonly overlay: SVGSVGElement,
   ) {
-    const add = <Name extends 'line' | 'circle'>(name: Name, className: string): SVGElementTagNameMap[Name] => {
-      const element = document.createElementNS('http://www.w3.org/2000/svg', name);
-      element.setAttribute('class', className);
-      return overlay.appendChild(element);
-    };
-    const ring = (className: string): SVGCircleElement => {
-      const circle = add('circle', className);
-      circle.setAttribute('r', '6');
-      return circle;
-    };
-    this.#lines = [add('line', 'casing'), add('line', 'tie')];
-    this.#rings = [0, 1].map(() => [ring('casing'), ring('ring')]);
+    this.#lines = [drawn('line', 'casing'), drawn('line', 'tie')];
+    this.#rings = [0, 1].map(() => [drawn('circle', 'casing'), drawn('circle', 'ring')]);
+    for (const circle of this.#rings.flat()) place(circle, { r: 6 });
+    overlay.append(...this.#lines, ...this.#rings.flat());
     stage.onDrawn(() => this.#place());
   }
 
@@ -43,35 +36,23 @@ export class MatchLine {
 
   #place(): void {
     const pair = this.#pair;
-    const ends = pair && [this.#end(pair.side, pair.index), pair.partner === null ? null : this.#end(opposite(pair.side), pair.partner)];
+    const ends = pair && [
+      placeOf(this.stage, pair.side, pair.index),
+      pair.partner === null ? null : placeOf(this.stage, opposite(pair.side), pair.partner),
+    ];
     this.#rings.forEach((circles, k) => {
-      const end = ends?.[k];
+      const end = pair?.marked && k === 0 ? null : ends?.[k];
       for (const circle of circles) {
         circle.classList.toggle('shown', Boolean(end));
-        if (!end) continue;
-        circle.setAttribute('cx', String(end.x));
-        circle.setAttribute('cy', String(end.y));
-        circle.classList.toggle('behind', end.hidden);
+        circle.classList.toggle('behind', end?.hidden ?? false);
+        if (end) place(circle, { cx: end.x, cy: end.y });
       }
     });
     const [from, to] = ends ?? [];
     for (const line of this.#lines) {
       line.classList.toggle('shown', Boolean(from && to));
-      if (!from || !to) continue;
-      line.setAttribute('x1', String(from.x));
-      line.setAttribute('y1', String(from.y));
-      line.setAttribute('x2', String(to.x));
-      line.setAttribute('y2', String(to.y));
+      if (from && to) place(line, { x1: from.x, y1: from.y, x2: to.x, y2: to.y });
     }
     this.overlay.dataset['pair'] = pair ? `${pair.side}${pair.index}-${pair.partner ?? 'none'}` : '';
-  }
-
-  #end(side: Side, index: number): { x: number; y: number; hidden: boolean } | null {
-    const view = this.stage.views[side];
-    const point = project(view, index);
-    if (!point || index * 3 >= (view.body?.positions.length ?? 0)) return null;
-    const x = Math.min(Math.max(point.x, 0), view.width) + view.element.offsetLeft;
-    const y = Math.min(Math.max(point.y, 0), view.height) + view.element.offsetTop;
-    return { x, y, hidden: isHidden(view, index) };
   }
 }

@@ -6,7 +6,12 @@ import type { Stage } from './stage';
 /** What the views tell the page about the user's finger. */
 export interface PointingEvents {
   hover(selection: Selection | null): void;
+  /** A point was chosen on purpose, or a place where there is none. */
   choose(selection: Selection | null): void;
+  /** The keys went on to a point. */
+  walk(selection: Selection): void;
+  /** Enough of it: Escape. */
+  release(): void;
   /** The point that keys walk from, if it is on this side. */
   current(side: Side): number | null;
 }
@@ -58,7 +63,7 @@ const directions: Readonly<Record<string, readonly [number, number]>> = {
   ArrowDown: [0, 1],
 };
 
-/** Keys on one view: arrows walk over the points, with shift they turn the body; plus, minus and 0 are for the camera. */
+/** Keys on one view: arrows walk over the points, enter chooses one, arrows with shift turn the body; plus, minus and 0 are for the camera. */
 export function followKeys(stage: Stage, side: Side, events: PointingEvents): void {
   const view = stage.views[side];
   view.element.addEventListener('keydown', (event) => {
@@ -70,7 +75,7 @@ export function followKeys(stage: Stage, side: Side, events: PointingEvents): vo
     } else if (direction) {
       const from = events.current(side);
       const index = from === null ? middle(view) : step(view, from, direction);
-      if (index !== null) events.choose({ side, index });
+      if (index !== null) events.walk({ side, index });
     } else if (event.key === 'Enter' || event.key === ' ') {
       const index = events.current(side) ?? middle(view);
       if (index !== null) events.choose({ side, index });
@@ -80,7 +85,7 @@ export function followKeys(stage: Stage, side: Side, events: PointingEvents): vo
     } else if (event.key === '0') {
       stage.resetCameras();
     } else if (event.key === 'Escape') {
-      events.choose(null);
+      events.release();
     } else {
       return;
     }

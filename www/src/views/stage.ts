@@ -6,6 +6,7 @@ import { Viewport } from './viewport';
 export class Stage {
   readonly views: Readonly<Record<Side, Viewport>>;
   readonly #renderer: THREE.WebGLRenderer;
+  readonly #beforeDrawing: (() => void)[] = [];
   readonly #afterDrawing: (() => void)[] = [];
   #frame = 0;
   #linked = true;
@@ -41,8 +42,14 @@ export class Stage {
   draw(): void {
     cancelAnimationFrame(this.#frame);
     this.#frame = 0;
+    for (const listener of this.#beforeDrawing) listener();
     for (const side of sides) this.views[side].draw(this.#renderer);
     for (const listener of this.#afterDrawing) listener();
+  }
+
+  /** Whatever is drawn is brought up to date here, once per picture however often it changed. */
+  onDrawing(listener: () => void): void {
+    this.#beforeDrawing.push(listener);
   }
 
   /** Whatever lies over the canvas follows it from here. */

@@ -28,12 +28,9 @@ export class Viewport {
     return this.#body;
   }
 
-  /** Shows another body; the one before is disposed of. */
-  show(body: Body | null): void {
-    if (this.#body) {
-      this.#scene.remove(this.#body.object);
-      this.#body.dispose();
-    }
+  /** Shows another body; who made the one before disposes of it. */
+  set body(body: Body | null) {
+    if (this.#body) this.#scene.remove(this.#body.object);
     this.#body = body;
     if (body) this.#scene.add(body.object);
   }

@@ -1,25 +1,34 @@
-import { type AppStore, type Selection } from '../app-state';
-import { paintedColours } from '../colour/painted-colours';
+import type { PreparedShape } from 'geose-fmap';
+import { type AppState, type AppStore, type Selection } from '../app-state';
+import { paintScan } from '../colour/painted-colours';
 import { byId } from '../dom';
+import { sideAwaited } from '../landmarks';
 import { partnerOf } from '../match-direction';
-import { letter, sides } from '../side';
+import { letter, opposite, sides } from '../side';
 import { count } from '../sentences';
-import { createBody } from './body';
-import { MatchLine } from './match-line';
+import { createBody, type Body } from './body';
+import { LandmarkMarkers } from './landmark-markers';
+import { MatchLine, type Pair } from './match-line';
 import { followKeys, followPointer, type PointingEvents } from './pointing';
 import { Stage } from './stage';
 
 /** Wires the two views to the state; throws when the browser offers no WebGL. */
-export function createViews(store: AppStore, choose: (selection: Selection | null) => void): Stage {
+export function createViews(store: AppStore, chosen: Pick<PointingEvents, 'choose' | 'release'>): Stage {
   const stage = new Stage(byId('stage', HTMLElement), byId('canvas', HTMLCanvasElement), {
     a: byId('view-a', HTMLElement),
     b: byId('view-b', HTMLElement),
   });
-  const line = new MatchLine(stage, byId('line', SVGSVGElement));
+  const overlay = byId('line', SVGSVGElement);
+  const line = new MatchLine(stage, overlay);
+  const markers = new LandmarkMarkers(stage, overlay);
 
   const events: PointingEvents = {
-    hover: (hovered) => store.set({ hovered }),
-    choose,
+    ...chosen,
+    hover(hovered) {
+      const { hovered: before } = store.get();
+      if (before?.side !== hovered?.side || before?.index !== hovered?.index) store.set({ hovered });
+    },
+    walk: (pinned) => store.set({ pinned, hovered: null }),
     current(side) {
       const { pinned, result } = store.get();
       if (!pinned) return null;
@@ -27,36 +36,58 @@ export function createViews(store: AppStore, choose: (selection: Selection | nul
       return result && partnerOf(result.match, pinned.side, pinned.index);
     },
   };
-  const shown: Record<string, unknown> = {};
   for (const side of sides) {
     followPointer(stage, side, events);
     followKeys(stage, side, events);
-    const { element } = stage.views[side];
-    store.watch(['scans'], ({ scans }) => {
+  }
+  const bodies = new Map<PreparedShape, Body>();
+  store.watch(['scans'], ({ scans }) => {
+    const shapes = new Set(sides.map((side) => scans[side]?.shape));
+    let changed = false;
+    for (const side of sides) {
+      const { element } = stage.views[side];
       const scan = scans[side];
       const what = scan ? `${scan.source.title}, ${count(scan.shape.info.points)} points` : 'empty';
       element.setAttribute('aria-label', `View of scan ${letter(side)}: ${what}`);
-      if (shown[side] === scan?.shape) return;
-      shown[side] = scan?.shape;
-      stage.views[side].show(scan ? createBody(scan) : null);
-      stage.refit();
-    });
-  }
-  store.watch(['scans', 'result', 'colour', 'eigenfunction'], (state) => {
-    const colours = paintedColours(state);
-    for (const side of sides) {
-      const painted = colours[side];
-      if (painted) stage.views[side].body?.paint(painted);
+      const body = scan && (bodies.get(scan.shape) ?? createBody(scan));
+      if (scan && body) bodies.set(scan.shape, body);
+      changed ||= stage.views[side].body !== body;
+      stage.views[side].body = body;
     }
+    for (const [shape, body] of bodies) {
+      if (shapes.has(shape)) continue;
+      body.dispose();
+      bodies.delete(shape);
+    }
+    if (changed) stage.refit();
+  });
+  let colourless = false;
+  store.watch(['scans', 'result', 'colour', 'eigenfunction'], () => {
+    colourless = true;
     stage.invalidate();
   });
-  store.watch(['scans', 'result', 'hovered', 'pinned'], ({ result, hovered, pinned }) => {
-    const selection = hovered ?? pinned;
-    line.show(selection && { ...selection, partner: result && partnerOf(result.match, selection.side, selection.index) });
+  stage.onDrawing(() => {
+    if (!colourless) return;
+    colourless = false;
+    for (const side of sides) stage.views[side].body?.repaint((colours) => paintScan(store.get(), side, colours));
   });
+  store.watch(['scans', 'result', 'hovered', 'pinned', 'pairing'], (state) => line.show(pairOf(state)));
+  store.watch(['scans', 'landmarks', 'pairing'], ({ landmarks, pairing }) => markers.show(landmarks, pairing));
   store.watch(['linked'], ({ linked }) => {
     stage.linked = linked;
     stage.invalidate();
   });
   return stage;
+}
+
+/** The point on show and its match; while a landmark waits for its second point, the first and where it may go. */
+function pairOf({ result, hovered, pinned, pairing }: AppState): Pair | null {
+  const selection: Selection | null = hovered ?? pinned;
+  const awaited = pairing && sideAwaited(pairing);
+  if (pairing && awaited) {
+    const side = opposite(awaited);
+    const index = pairing[side];
+    if (index !== null) return { side, index, partner: selection?.side === awaited ? selection.index : null, marked: true };
+  }
+  return selection && { ...selection, partner: result && partnerOf(result.match, selection.side, selection.index), marked: false };
 }

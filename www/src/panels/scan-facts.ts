@@ -1,0 +1,49 @@
+import type { PreparedShape } from 'geose-fmap';
+import type { AppStore, Scan } from '../app-state';
+import { byId, create } from '../dom';
+import { asSentence, count, counted } from '../sentences';
+import { letter, sides, type Side } from '../side';
+import { table } from './table';
+
+/** What was found out about each scan, and what had to be repaired. */
+export function showScanFacts(store: AppStore): void {
+  const place = byId('scan-facts', HTMLElement);
+  store.watch(['scans'], ({ scans }) => {
+    const shown = sides.flatMap((side) => (scans[side] ? [{ side, scan: scans[side] }] : []));
+    if (shown.length === 0) {
+      place.replaceChildren(create('p', { className: 'facts', textContent: 'No scan yet.' }));
+      return;
+    }
+    const rows = facts.map(([name, value]) => [name, ...shown.map(({ scan }) => value(scan.shape))]);
+    const head = ['', ...shown.map(({ side }) => letter(side))];
+    place.replaceChildren(table('What was found out about each scan', head, rows), ...shown.map(({ side, scan }) => repairsOf(side, scan)));
+  });
+}
+
+const facts: readonly (readonly [string, (shape: PreparedShape) => string])[] = [
+  ['Kind', ({ info }) => (info.kind === 'cloud' && info.faces > 0 ? 'mesh, taken as cloud' : info.kind)],
+  ['Points', ({ info }) => count(info.points)],
+  ['Faces', ({ info }) => count(info.faces)],
+  ['Pieces', ({ info }) => count(info.pieces)],
+  ['Unit', ({ info }) => info.unit ?? 'not clear'],
+  ['Up', ({ info }) => info.upAxis ?? 'not clear'],
+  ['Scale (√area)', ({ info }) => `${info.scale.toPrecision(3)}${info.unit ? ` ${info.unit}` : ''}`],
+  ['Points used', ({ info }) => count(info.pointsUsed)],
+  ['Laplacian', ({ info }) => laplacianWords[info.laplacian]],
+  ['Eigenpairs', ({ info }) => count(info.eigenpairs)],
+];
+
+const laplacianWords = {
+  geodesic: 'geodesic',
+  'geodesic-literal': 'as printed',
+  euclidean: 'Euclidean',
+  cotangent: 'cotangent',
+} as const;
+
+/** One sentence per kind of repair, folded away under their number. */
+function repairsOf(side: Side, { shape: { repairs } }: Scan): HTMLElement {
+  if (repairs.length === 0) return create('p', { className: 'facts', textContent: `Nothing in ${letter(side)} had to be repaired.` });
+  const summary = create('summary', {}, `${letter(side)}: ${counted(repairs.length, 'repair')}`);
+  const list = create('ul', {}, ...repairs.map((repair) => create('li', { textContent: asSentence(repair.message) })));
+  return create('details', { className: 'repairs', id: `repairs-${side}` }, summary, list);
+}
