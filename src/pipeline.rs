@@ -66,7 +66,11 @@ pub fn prepare(
         set_crumbs_aside(&used_shape, &surface_points(&used_shape));
     repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
         let bits = counted(crumb_count, "bit", "bits");
-        format!("{} in {bits} apart from the body set aside; {} of them too far from it to be matched", counted(crumbs.len(), "point", "points"), far.len())
+        format!(
+            "{} in {bits} apart from the body set aside; {} of them too far from it to be matched",
+            counted(crumbs.len(), "point", "points"),
+            far.len()
+        )
     }));
     if surface.len() < MIN_POINTS {
         return Err(ShapeError::TooFewPoints { found: surface.len(), needed: MIN_POINTS }.into());

@@ -2,8 +2,8 @@
 
 use ndarray::Array2;
 
-use super::{Correspondence, UNMATCHED};
 use super::alignment::{Rotation, best_rotation, turned};
+use super::{Correspondence, UNMATCHED};
 use crate::graph::{Neighbours, nearest_neighbours};
 use crate::prepared::PreparedShape;
 use crate::shape::Support;

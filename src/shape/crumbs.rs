@@ -67,7 +67,8 @@ fn pieces_of_mesh(shape: &Shape) -> (Vec<u32>, Vec<f64>) {
 /// Pieces that hang together at their own density, and the points in each.
 fn pieces_of_cloud(shape: &Shape) -> (Vec<u32>, Vec<f64>) {
     let neighbours = nearest_neighbours(shape.points(), AROUND);
-    let mut reach: Vec<f64> = (0..neighbours.len()).map(|i| neighbours.distances(i).last().copied().unwrap_or(0.0)).collect();
+    let mut reach: Vec<f64> =
+        (0..neighbours.len()).map(|i| neighbours.distances(i).last().copied().unwrap_or(0.0)).collect();
     // Many copies of one point would have no reach at all.
     let mut sorted = reach.clone();
     sorted.sort_by(f64::total_cmp);

@@ -53,7 +53,7 @@ function viewsIfPossible(store: AppStore): Stage | null {
 }
 
 const stage = viewsIfPossible(store);
-takeScans(store, (side, source) => void session.load(side, source), listSamples());
+takeScans(store, (loads) => void session.load(loads), listSamples());
 showScanCards(store);
 showErrors(store, (name) => session.dismiss(name));
 showRemark(store);

@@ -4,7 +4,10 @@ import { reversed } from './match-direction';
 import { createMatcher } from './matcher';
 import type { ScanSource } from './scan-source';
 import { sentence } from './sentences';
-import type { Side } from './side';
+import { sides, type Side } from './side';
+
+/** What became of a step: `'ended'` when it was cancelled or newer work took its place. */
+type Outcome = 'done' | 'failed' | 'ended';
 
 /**
  * The page's dealings with the package: scans are prepared as they come, and once both are there the match runs by itself.
@@ -27,20 +30,27 @@ export class Session {
     );
   }
 
-  /** Prepares a scan for `side`, then matches if the other one is there too, prepared with the same choices. */
-  async load(side: Side, source: ScanSource): Promise<void> {
-    if (this.#end('match')) this.#matchIsDue = true;
-    const [prepared] = await Promise.all([this.#prepare(side, source), ...this.#prepareOutdated(side)]);
-    if (prepared) this.#matchIsDue = true;
-    await this.#matchIfDue();
+  /** Prepares scans that came together, then matches if both sides have one, prepared with the same choices. If one of them cannot be read nothing is matched. */
+  async load(loads: readonly (readonly [side: Side, source: ScanSource])[]): Promise<void> {
+    if (this.#end('match')) {
+      this.#matchIsDue = true;
+      this.#setStep('match', { status: 'waiting' });
+    }
+    const loaded = loads.map(([side, source]) => this.#prepare(side, source));
+    await this.#prepared([...loaded, ...this.#prepareOutdated()]);
   }
 
   /** Matches anew; scans that were prepared with other choices are prepared again first. */
   async match(): Promise<void> {
-    this.#end('match');
-    this.#matchIsDue = true;
-    const prepared = await Promise.all(this.#prepareOutdated());
-    if (prepared.includes(false)) this.#matchIsDue = false;
+    if (this.#end('match')) this.#setStep('match', { status: 'waiting' });
+    await this.#prepared(this.#prepareOutdated());
+  }
+
+  /** Waits for what is being prepared; what others took the place of is for them to go on with. */
+  async #prepared(running: readonly Promise<Outcome>[]): Promise<void> {
+    const outcomes = await Promise.all(running);
+    if (outcomes.includes('failed')) this.#matchIsDue = false;
+    else if (!outcomes.includes('ended')) this.#matchIsDue = true;
     await this.#matchIfDue();
   }
 
@@ -76,17 +86,17 @@ export class Session {
     this.#setError(name, null);
   }
 
-  /** Prepares again what was prepared with other choices, apart from `except` and from what is being prepared anyway. */
-  #prepareOutdated(except?: Side): Promise<boolean>[] {
+  /** Prepares again what was prepared with other choices, apart from what is being prepared anyway. */
+  #prepareOutdated(): Promise<Outcome>[] {
     const { scans } = this.#store.get();
     return outdatedSides(this.#store.get()).flatMap((side) => {
       const source = scans[side]?.source;
-      return source && side !== except && !this.#tasks.has(side) ? [this.#prepare(side, source)] : [];
+      return source && !this.#tasks.has(side) ? [this.#prepare(side, source)] : [];
     });
   }
 
-  /** Resolves to whether the scan is now on show. */
-  async #prepare(side: Side, source: ScanSource): Promise<boolean> {
+  /** When it is done the scan is on show. */
+  async #prepare(side: Side, source: ScanSource): Promise<Outcome> {
     const choices = this.#store.get().prepareChoices;
     return this.#run(side, source, async (matcher, call) => {
       const data = await source.data();
@@ -114,6 +124,8 @@ export class Session {
     const { a, b } = scans;
     if (!this.#matchIsDue || this.#tasks.size > 0 || !a || !b) return;
     this.#matchIsDue = false;
+    // Both scans on show are prepared, whatever became of others since.
+    for (const side of sides) this.#setStep(side, { status: 'done' });
     await this.#run('match', null, async (matcher, call) => {
       const match = await matcher.match(a.shape, b.shape, {
         ...matchChoices,
@@ -124,12 +136,12 @@ export class Session {
     });
   }
 
-  /** Runs one step with its progress line; resolves to whether it got to its end. */
+  /** Runs one step with its progress line. */
   async #run(
     name: StepName,
     source: ScanSource | null,
     work: (matcher: Matcher, call: { signal: AbortSignal; onProgress: (progress: Progress) => void }) => Promise<void>,
-  ): Promise<boolean> {
+  ): Promise<Outcome> {
     this.#end(name);
     const task = new AbortController();
     this.#tasks.set(name, task);
@@ -146,14 +158,14 @@ export class Session {
           if (!task.signal.aborted) this.#setStep(name, { status: 'running', stage, fraction, source });
         },
       });
-      if (task.signal.aborted) return false;
+      if (task.signal.aborted) return 'ended';
       finish({ status: 'done' });
-      return true;
+      return 'done';
     } catch (error) {
-      if (task.signal.aborted) return false;
+      if (task.signal.aborted) return 'ended';
       finish({ status: 'failed' });
       this.#setError(name, sentence(error));
-      return false;
+      return 'failed';
     }
   }
 

@@ -190,6 +190,31 @@ test('a match can be cancelled and done again', async () => {
   assert.deepEqual(await mapOf(page), before);
 });
 
+test('a scan that is cancelled or broken leaves no trace in the next match', async () => {
+  const before = await mapOf(page);
+  const status = page.locator('#status');
+  // A match ended by a new scan, and that one cancelled.
+  await page.click('#match');
+  await page.waitForFunction(() => window.geose.state() === 'working');
+  await page.selectOption('#sample-a', 'woman-striding.ply');
+  await page.click('#cancel');
+  await page.waitForFunction(() => window.geose.state() === 'cancelled');
+  await page.click('#match');
+  await matched(page);
+  assert.match(await status.textContent(), /points of A have their point on B/);
+  assert.deepEqual(await mapOf(page), before);
+  // One good and one bad at once: nothing is matched, and then what is there is.
+  await drop(page, '#drop-a', ['woman-striding.ply', { name: 'broken.ply', bytes: Buffer.from('ply\nformat ascii 1.0\n') }]);
+  await page.locator('#error-b p').waitFor({ timeout: matchTimeout });
+  await page.waitForFunction(() => window.geose.state() === 'failed');
+  await page.click('#match');
+  await matched(page);
+  assert.match(await status.textContent(), /points of A have their point on B/);
+  await drop(page, '#drop-a', pair);
+  await matched(page);
+  assert.deepEqual(await mapOf(page), before);
+});
+
 test('parts that came with the scans are coloured and named', async () => {
   await page.selectOption('#colour', 'part');
   const names = await page.locator('#legend li').allTextContents();

@@ -6,11 +6,15 @@ import { fromAddress, fromFile, type ScanSource } from '../scan-source';
 import { sides, type Side } from '../side';
 
 /** The ways in: dropping, choosing a file, picking a sample. */
-export function takeScans(store: AppStore, load: (side: Side, source: ScanSource) => void, samples: Promise<Samples>): void {
+export function takeScans(
+  store: AppStore,
+  load: (loads: readonly (readonly [Side, ScanSource])[]) => void,
+  samples: Promise<Samples>,
+): void {
   const take = (side: Side, sources: readonly ScanSource[]): void => {
     const { loads, remark } = planIntake(store.get(), side, sources);
     store.set({ remark });
-    for (const [to, source] of loads) load(to, source);
+    if (loads.length > 0) load(loads);
   };
   const takeDropped = (side: Side, { files, folders }: Dropped): void => {
     if (files.length === 0 && folders[0]) store.set({ remark: folderRemark(folders[0]) });

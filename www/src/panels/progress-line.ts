@@ -11,7 +11,7 @@ export function standing(state: AppState): Standing {
   const statuses = stepNames.map((name) => state.steps[name].status);
   if (isBusy(state)) return 'working';
   if (statuses.includes('cancelled')) return 'cancelled';
-  if (Object.values(state.errors).some((error) => error !== null)) return 'failed';
+  if (statuses.includes('failed') || (state.errors.match !== null && !state.result)) return 'failed';
   if (state.result) return 'matched';
   return state.scans.a && state.scans.b ? 'ready' : 'empty';
 }
