@@ -32,7 +32,7 @@ fn parse<T: serde::de::DeserializeOwned>(name: &str) -> Result<T, String> {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let a = prepare_scan(&arguments.a, &arguments.preparing)?;
     let b = prepare_scan(&arguments.b, &arguments.preparing)?;
-    let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, landmarks: Vec::new() };
+    let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, ..Default::default() };
     let matched = pollster::block_on(match_shapes(&Cpu, &a, &b, &options, &mut Progress::silent()))?;
     write(&arguments.output, &csv(&matched)?)?;
     for (stage, seconds) in &matched.seconds {
