@@ -11,6 +11,7 @@ mod functional_map;
 mod initial;
 mod landmarks;
 mod metrics;
+mod part_scores;
 mod parts_mask;
 mod refine;
 
@@ -19,6 +20,7 @@ pub use embedding::Matchable;
 pub use functional_map::FunctionalMap;
 pub use initial::initial_maps;
 pub use landmarks::landmark_functions;
-pub use metrics::{EdgeDistances, mean_error};
+pub use metrics::{EdgeDistances, mean_error, point_errors};
+pub use part_scores::{PartScores, part_scores};
 pub use parts_mask::one_hot_parts;
 pub use refine::{Refinement, refine};
