@@ -37,6 +37,8 @@
 pub mod cli;
 mod device;
 mod error;
+#[cfg(not(target_arch = "wasm32"))]
+mod evaluate;
 mod features;
 mod fmap;
 mod graph;
