@@ -37,6 +37,8 @@
 pub mod cli;
 mod device;
 mod error;
+#[cfg(not(target_arch = "wasm32"))]
+mod evaluate;
 mod features;
 mod fmap;
 mod graph;
@@ -57,10 +59,11 @@ pub mod wasm;
 pub use device::{Cpu, Device};
 pub use error::Error;
 pub use features::{PointFeatures, wave_kernel_signature};
-pub use fmap::{Correspondence, EdgeDistances, FunctionalMap, Matchable, Refinement, UNMATCHED, mean_error};
-pub use graph::{
-    BoundedDijkstra, EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine,
+pub use fmap::{
+    Correspondence, EdgeDistances, FunctionalMap, Matchable, PartScores, Refinement, UNMATCHED, mean_error,
+    part_scores, point_errors,
 };
+pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
 pub use operators::{GaussianParams, Laplacian, LaplacianKind, OperatorError, laplacian};
 pub use options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 pub use pipeline::{Match, match_shapes, prepare};

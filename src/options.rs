@@ -74,6 +74,9 @@ pub struct MatchOptions {
     pub refine: Refinement,
     /// Pairs (uploaded index on A, uploaded index on B) known to correspond.
     pub landmarks: Vec<[u32; 2]>,
+    /// Whether the match before refinement is kept beside the refined one, for measurements; not an option of the package.
+    #[serde(skip)]
+    pub raw: bool,
 }
 
 /// Where part labels come from.

@@ -8,7 +8,8 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::features::wave_kernel_signature;
 use crate::fmap::{
-    COARSE, Correspondence, FunctionalMap, Matchable, initial_maps, landmark_functions, lift, part_functions, refine,
+    COARSE, Correspondence, FunctionalMap, Matchable, Refinement, initial_maps, landmark_functions, lift,
+    part_functions, refine,
 };
 use crate::graph::components;
 use crate::operators::{self, Laplacian, LaplacianKind};
@@ -27,6 +28,8 @@ pub struct Match {
     pub a_to_b: Correspondence,
     /// For each uploaded point of B its point on A.
     pub b_to_a: Correspondence,
+    /// A to B as the first maps had it, before refinement; only where [`MatchOptions::raw`] asked for it.
+    pub raw: Option<Correspondence>,
     /// C_ab: functions on A → functions on B.
     pub c_ab: FunctionalMap,
     /// C_ba: functions on B → functions on A.
@@ -156,6 +159,14 @@ pub async fn match_shapes<D: Device>(
     let known = known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
     let (first, rotation) = initial_maps(device, &side_a, &side_b, known, parts).await;
 
+    let raw = match options.raw {
+        true => {
+            let (sides, maps) = ((&side_a, &side_b), first.clone());
+            let (raw, ..) = refine(device, sides, maps, &rotation, parts, Refinement::None, progress).await?;
+            Some(lift(&raw, a, b))
+        }
+        false => None,
+    };
     let (a_to_b, b_to_a, maps) =
         refine(device, (&side_a, &side_b), first, &rotation, parts, options.refine, progress).await?;
     let (a_to_b, b_to_a) = (lift(&a_to_b, a, b), lift(&b_to_a, b, a));
@@ -164,6 +175,7 @@ pub async fn match_shapes<D: Device>(
     Ok(Match {
         a_to_b,
         b_to_a,
+        raw,
         c_ab: FunctionalMap { matrix: in_uploaded_units(maps.c_ab, a, b) },
         c_ba: FunctionalMap { matrix: in_uploaded_units(maps.c_ba, b, a) },
         seconds: progress.take_seconds(),

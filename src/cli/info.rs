@@ -1,6 +1,6 @@
 //! `geose-fmap info A [--json]`
 
-use super::{Failure, PathBuf, Preparing, prepare_scan};
+use super::{Failure, PathBuf, Preparing, Running, prepare_scan};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -11,9 +11,12 @@ pub(super) struct Arguments {
     json: bool,
     #[command(flatten)]
     preparing: Preparing,
+    #[command(flatten)]
+    running: Running,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.running.check()?;
     let prepared = prepare_scan(&arguments.a, &arguments.preparing)?;
     let info = serde_json::to_value(&prepared.info)?;
     if arguments.json {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Failure, Match, PathBuf, Preparing, prepare_scan, write};
+use super::{Failure, Match, PathBuf, Preparing, Running, parse, prepare_scan, write};
 use crate::{Cpu, MatchOptions, Parts, Progress, Refinement, UNMATCHED, match_shapes};
 
 #[derive(clap::Args)]
@@ -22,17 +22,15 @@ pub(super) struct Arguments {
     /// predicted, given or none.
     #[arg(long, default_value = "none", value_parser = parse::<Parts>)]
     parts: Parts,
-}
-
-/// A name as the options spell it.
-fn parse<T: serde::de::DeserializeOwned>(name: &str) -> Result<T, String> {
-    serde_json::from_value(name.into()).map_err(|e| e.to_string())
+    #[command(flatten)]
+    running: Running,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.running.check()?;
     let a = prepare_scan(&arguments.a, &arguments.preparing)?;
     let b = prepare_scan(&arguments.b, &arguments.preparing)?;
-    let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, landmarks: Vec::new() };
+    let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, ..Default::default() };
     let matched = pollster::block_on(match_shapes(&Cpu, &a, &b, &options, &mut Progress::silent()))?;
     write(&arguments.output, &csv(&matched)?)?;
     for (stage, seconds) in &matched.seconds {

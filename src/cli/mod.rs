@@ -1,5 +1,6 @@
 //! The command line's verbs over the library; native only.
 
+mod evaluate;
 mod info;
 mod laplacian;
 mod matching;
@@ -7,9 +8,9 @@ mod matching;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::{LaplacianKind, Match, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
+use crate::{Axis, LaplacianKind, Match, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
 
 /// Which point of one deformable 3D scan is which point of the other.
 #[derive(Parser)]
@@ -25,6 +26,8 @@ enum Verb {
     Match(matching::Arguments),
     /// Says what a scan is and what was found odd about it.
     Info(info::Arguments),
+    /// Measures the method on a data set with ground truth.
+    Evaluate(evaluate::Arguments),
     /// Writes the Laplacian of a scan, every point counting.
     Laplacian(laplacian::Arguments),
 }
@@ -41,6 +44,9 @@ struct Preparing {
     /// geodesic, geodesic-literal, euclidean or cotangent; by default cotangent on meshes and geodesic on clouds.
     #[arg(long)]
     laplacian: Option<LaplacianKind>,
+    /// The axis that points up: x, y or z.
+    #[arg(long, value_parser = parse::<Axis>)]
+    up: Option<Axis>,
 }
 
 impl Preparing {
@@ -49,7 +55,47 @@ impl Preparing {
             points: self.points,
             eigenpairs: self.eigenpairs,
             laplacian: self.laplacian,
+            up: self.up,
             ..Default::default()
+        }
+    }
+}
+
+/// Options on what a program runs with.
+#[derive(Args, Clone, Debug)]
+struct Running {
+    /// What computes.
+    #[arg(long, value_enum, default_value_t = Device::Auto)]
+    device: Device,
+    /// Network weights in place of the built-in ones.
+    #[arg(long)]
+    weights: Option<PathBuf>,
+    /// Seed of whatever is random; a match has nothing random in it.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Device {
+    /// The fastest there is.
+    Auto,
+    /// The processor.
+    Cpu,
+    /// The graphics card.
+    Webgpu,
+}
+
+impl Running {
+    /// Refuses what this build does not have.
+    fn check(&self) -> Result<(), Failure> {
+        if self.device == Device::Webgpu {
+            return Err("WebGPU is not in this build: use --device auto or cpu".into());
+        }
+        match &self.weights {
+            Some(path) => {
+                Err(format!("{}: network weights are not in this build, none can be read", path.display()).into())
+            }
+            None => Ok(()),
         }
     }
 }
@@ -63,6 +109,7 @@ pub fn run() -> ExitCode {
     let outcome = match CommandLine::parse().verb {
         Verb::Match(arguments) => matching::run(&arguments),
         Verb::Info(arguments) => info::run(&arguments),
+        Verb::Evaluate(arguments) => evaluate::run(&arguments),
         Verb::Laplacian(arguments) => laplacian::run(&arguments),
     };
     match outcome {
@@ -72,6 +119,11 @@ pub fn run() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// A name as the options of the library spell it.
+fn parse<T: serde::de::DeserializeOwned>(name: &str) -> Result<T, String> {
+    serde_json::from_value(name.into()).map_err(|e| e.to_string())
 }
 
 fn read_scan(path: &Path) -> Result<Shape, Failure> {

@@ -12,6 +12,7 @@ mod initial;
 mod landmarks;
 mod lifting;
 mod metrics;
+mod part_scores;
 mod refine;
 
 pub use correspondence::{Correspondence, UNMATCHED};
@@ -20,5 +21,6 @@ pub use functional_map::FunctionalMap;
 pub use initial::initial_maps;
 pub use landmarks::{landmark_functions, part_functions};
 pub use lifting::lift;
-pub use metrics::{EdgeDistances, mean_error};
+pub use metrics::{EdgeDistances, mean_error, point_errors};
+pub use part_scores::{PartScores, part_scores};
 pub use refine::{COARSE, Refinement, refine};

@@ -1,0 +1,119 @@
+// Every evaluation set in every mode it allows → benches/results/accuracy.md. `npm run evaluate -- --limit 10` for a quick one.
+import { createHash } from 'node:crypto';
+import { existsSync, mkdirSync, readFileSync, readdirSync, renameSync, writeFileSync } from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { parseArgs } from 'node:util';
+import { buildNative, nativeProgram } from './native.mjs';
+import { Failure, main, output, root, run, say } from './run.mjs';
+
+const TABLE = path.join(root, 'benches/results/accuracy.md');
+const CLOUD_LAPLACIANS = ['geodesic', 'euclidean', 'geodesic-literal'];
+
+/** Folder of the evaluation sets. */
+function evaluationSets() {
+  const given = process.env.GEOSE_EVAL_DIR;
+  const folder = path.resolve(root, given ?? '../shared/eval');
+  if (existsSync(folder)) return folder;
+  if (given) throw new Failure(`GEOSE_EVAL_DIR is ${given}, where there is nothing.`);
+  throw new Failure('There are no evaluation sets in ../shared/eval: say in GEOSE_EVAL_DIR where they are.');
+}
+
+/** What to measure on the sets in `folder`: `{ set, mode, parts, laplacian, oracle }` each, by what files a set has. */
+export function plan(folder) {
+  const sets = readdirSync(folder).filter((name) => existsSync(path.join(folder, name, 'shapes')));
+  return sets.sort().flatMap((set) => {
+    const at = (name) => path.join(folder, set, name);
+    const truths = existsSync(at('corres')) ? readdirSync(at('corres')) : [];
+    const paired = existsSync(at('pairs.txt')) && readFileSync(at('pairs.txt'), 'utf8').trim() !== '';
+    // Clouds that were sampled independently have no faces, and no points in common that an oracle could use.
+    const clouds = truths.some((name) => name.endsWith('.tpl'));
+    const modes = clouds ? ['cloud'] : paired ? ['mesh', 'cloud', 'mesh-cloud'] : ['mesh', 'cloud'];
+    const parts = paired && existsSync(at('labels')) ? ['none', 'given'] : ['none'];
+    const matches = modes.flatMap((mode) => parts.map((parts) => ({ set, mode, parts, oracle: false })));
+    if (!truths.some((name) => name.endsWith('.vts')) || clouds) return matches;
+    const oracles = [['mesh', 'cotangent'], ...CLOUD_LAPLACIANS.map((laplacian) => ['cloud', laplacian])];
+    return [...matches, ...oracles.map(([mode, laplacian]) => ({ set, mode, laplacian, oracle: true }))];
+  });
+}
+
+/** Runs one measurement, unless this very program has done it before; resolves to its JSON. */
+function measure(folder, task, limit) {
+  const { set, mode, parts, laplacian, oracle } = task;
+  const program = createHash('sha256').update(readFileSync(nativeProgram)).digest('hex').slice(0, 12);
+  const name = [set, mode, oracle ? `oracle-${laplacian}` : `parts-${parts}`, limit ? `limit-${limit}` : 'all'].join('_');
+  const file = path.join(root, 'dist/evaluate', program, `${name}.json`);
+  if (!existsSync(file)) {
+    say(name);
+    mkdirSync(path.dirname(file), { recursive: true });
+    const how = oracle ? ['--oracle', '--laplacian', laplacian] : ['--parts', parts];
+    const limited = limit ? ['--limit', limit] : [];
+    // Moved when it is complete, so that a run that was stopped leaves nothing half-written.
+    const json = ['--json', `${file}.part`];
+    run(nativeProgram, ['evaluate', '--dataset', path.join(folder, set), '--mode', mode, ...how, ...limited, ...json]);
+    renameSync(`${file}.part`, file);
+  }
+  return { ...task, found: JSON.parse(readFileSync(file, 'utf8')) };
+}
+
+const number = (value, digits) => (value === null ? '–' : value.toFixed(digits));
+const share = (value) => (value === null ? '–' : `${(100 * value).toFixed(1)} %`);
+const accuracies = ({ accuracy }) => ['0.01', '0.02', '0.05'].map((within) => share(accuracy?.[within] ?? null));
+
+const markdown = (head, rows) =>
+  [head, head.map((_, column) => (column < 3 ? '---' : '---:')), ...rows].map((row) => `| ${row.join(' | ')} |`).join('\n');
+
+/** The tables of what was found: matches, and what the bases allow. */
+export function tables(measured) {
+  const within = ['≤ 0.01', '≤ 0.02', '≤ 0.05'];
+  const matches = measured
+    .filter(({ oracle }) => !oracle)
+    .map(({ set, mode, parts, found }) => [
+      ...[set, mode, parts, found.pairs, number(found.age, 2), number(found.age_raw, 2), ...accuracies(found)],
+      ...[found.flips ?? '–', share(found.flipped_points), number(found.part_miou, 3), share(found.part_agreement)],
+      ...[number(found.seconds_per_shape, 2), number(found.seconds_per_pair, 2)],
+    ]);
+  const oracles = measured
+    .filter(({ oracle }) => oracle)
+    .map(({ set, mode, laplacian, found }) => [set, mode, laplacian, found.pairs, number(found.age, 2), ...accuracies(found)]);
+  const head = ['set', 'mode', 'parts', 'pairs', 'error', 'before refinement', ...within];
+  return [
+    markdown([...head, 'flips', 'flipped points', 'part mIoU', 'part agreement', 's/shape', 's/pair'], matches),
+    markdown(['set', 'mode', 'Laplacian', 'pairs', 'error', ...within], oracles),
+  ];
+}
+
+function page(measured, command) {
+  const commit = output('git', ['rev-parse', '--short', 'HEAD']) ?? 'unknown';
+  const changed = output('git', ['status', '--porcelain', '--', 'src', 'Cargo.toml', 'Cargo.lock']) ? ', with changes' : '';
+  const [matches, oracles] = tables(measured);
+  return `# Accuracy
+
+\`${command}\` at commit ${commit}${changed}. Data and protocol are those of the evaluation sets' README; errors are mean geodesic errors ×100/√area, "≤ ε" the share
+of points with an error of at most ε. Seconds were taken on ${os.cpus()[0]?.model ?? 'an unknown processor'}, ${os.availableParallelism()} pairs at a time.
+
+${matches}
+
+## What the bases allow
+
+The functional map of the true match itself (\`--oracle\`, k = 120), which no feature or refinement takes part in.
+
+${oracles}
+`;
+}
+
+await main(import.meta, async (args) => {
+  let limit;
+  try {
+    limit = parseArgs({ args, options: { limit: { type: 'string' } } }).values.limit;
+  } catch (error) {
+    throw new Failure(`${error.message}\nThe only option is --limit N: so many pairs of each set.`);
+  }
+  if (limit !== undefined && !/^[1-9]\d*$/.test(limit)) throw new Failure(`--limit must be a whole number from 1, and is ${limit}.`);
+  const folder = evaluationSets();
+  buildNative();
+  const measured = plan(folder).map((task) => measure(folder, task, limit));
+  mkdirSync(path.dirname(TABLE), { recursive: true });
+  writeFileSync(TABLE, page(measured, ['npm run evaluate', ...(limit ? [`-- --limit ${limit}`] : [])].join(' ')));
+  say(TABLE);
+});

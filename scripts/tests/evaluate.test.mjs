@@ -1,0 +1,49 @@
+import assert from 'node:assert/strict';
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { plan, tables } from '../evaluate.mjs';
+
+const folder = mkdtempSync(path.join(tmpdir(), 'geose-sets-'));
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+function write(name, text) {
+  mkdirSync(path.dirname(path.join(folder, name)), { recursive: true });
+  writeFileSync(path.join(folder, name), text);
+}
+
+test('every set is measured in the modes that its files allow', () => {
+  for (const set of ['bodies', 'clouds', 'parts', 'pieces']) write(`${set}/shapes/a.off`, '');
+  for (const set of ['bodies', 'clouds', 'pieces']) write(`${set}/pairs.txt`, 'a a\n');
+  write('bodies/corres/a.vts', '');
+  write('bodies/labels/a.txt', '');
+  write('clouds/corres/a.tpl', '');
+  write('pieces/corres/a.baryc_gt', '');
+  write('parts/pairs.txt', '\n');
+  write('parts/labels/a.txt', '');
+  write('README.md', '');
+  const told = plan(folder).map(({ set, mode, parts, laplacian }) => [set, mode, parts ?? laplacian].join(' '));
+  assert.deepEqual(told, [
+    ...['mesh', 'cloud', 'mesh-cloud'].flatMap((mode) => [`bodies ${mode} none`, `bodies ${mode} given`]),
+    ...['bodies mesh cotangent', 'bodies cloud geodesic', 'bodies cloud euclidean', 'bodies cloud geodesic-literal'],
+    ...['clouds cloud none', 'parts mesh none', 'parts cloud none'],
+    ...['pieces mesh none', 'pieces cloud none', 'pieces mesh-cloud none'],
+  ]);
+});
+
+test('tables have a dash where a set has no data', () => {
+  const nothing = { pairs: 0, age: null, age_raw: null, accuracy: null, flips: null, flipped_points: null };
+  const more = { part_miou: null, part_agreement: null, seconds_per_shape: 0.514, seconds_per_pair: null };
+  const oracle = { pairs: 3, age: 1.256, accuracy: { 0.01: 0.5, 0.02: 0.8125, 0.05: 1 } };
+  const [matches, oracles] = tables([
+    { set: 'parts', mode: 'mesh', parts: 'none', oracle: false, found: { ...nothing, ...more } },
+    { set: 'bodies', mode: 'cloud', laplacian: 'geodesic', oracle: true, found: oracle },
+  ]);
+  assert.equal(matches.split('\n').at(-1), '| parts | mesh | none | 0 | – | – | – | – | – | – | – | – | – | 0.51 | – |');
+  assert.equal(oracles.split('\n').at(-1), '| bodies | cloud | geodesic | 3 | 1.26 | 50.0 % | 81.3 % | 100.0 % |');
+  for (const table of [matches, oracles]) {
+    const columns = new Set(table.split('\n').map((row) => row.split('|').length));
+    assert.equal(columns.size, 1, 'every row is as wide as the head');
+  }
+});

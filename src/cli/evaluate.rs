@@ -1,0 +1,68 @@
+//! `geose-fmap evaluate --dataset DIR --mode mesh|cloud|mesh-cloud`
+
+use super::{Failure, PathBuf, Preparing, Running, parse, write};
+use crate::evaluate::{Mode, Rotate, Task, evaluate};
+use crate::{Parts, Refinement};
+
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// Folder of the set: shapes/, pairs.txt, corres/, labels/.
+    #[arg(long)]
+    dataset: PathBuf,
+    /// mesh: with faces; cloud: all faces dropped; mesh-cloud: those of the second shape dropped.
+    #[arg(long, value_parser = parse::<Mode>)]
+    mode: Mode,
+    /// A file of pairs `A B`, one a line, in place of the set's own.
+    #[arg(long)]
+    pairs: Option<PathBuf>,
+    /// Only that many pairs: those whose lines come first by FNV-1a hash. Shapes where the set has no pairs.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    limit: Option<u32>,
+    /// none, zoomout or best.
+    #[arg(long, default_value = "best", value_parser = parse::<Refinement>)]
+    refine: Refinement,
+    /// predicted, given or none.
+    #[arg(long, default_value = "none", value_parser = parse::<Parts>)]
+    parts: Parts,
+    /// A random rotation per shape: none, up (about --up, by default y) or so3.
+    #[arg(long, default_value = "none", value_parser = parse::<Rotate>)]
+    rotate: Rotate,
+    /// Measures the functional map of the true match, without refinement or parts: what the bases can do at best.
+    #[arg(long)]
+    oracle: bool,
+    /// Where the measurements go as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    preparing: Preparing,
+    #[command(flatten)]
+    running: Running,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.running.check()?;
+    // Measuring may take hours; that the result has nowhere to go should not show at their end.
+    let folder =
+        arguments.json.as_deref().and_then(|file| file.parent()).filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(format!("{} is no folder: the JSON file could not be written", folder.display()).into());
+    }
+    let task = Task {
+        dataset: arguments.dataset.clone(),
+        pairs: arguments.pairs.clone(),
+        limit: arguments.limit.map(|limit| limit as usize),
+        mode: arguments.mode,
+        preparing: arguments.preparing.options(),
+        parts: arguments.parts,
+        refine: arguments.refine,
+        rotate: arguments.rotate,
+        seed: arguments.running.seed,
+        oracle: arguments.oracle,
+    };
+    let measured = evaluate(&task, &|line| eprintln!("{line}"))?;
+    println!("{measured}");
+    match &arguments.json {
+        Some(file) => write(file, &(serde_json::to_string_pretty(&measured)? + "\n")),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,65 @@
+//! Why a data set could not be measured.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::Error;
+
+/// Why a data set could not be measured, in a sentence that names the file and, where there is one, the line.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluationError {
+    /// A file or folder that cannot be read.
+    #[error("{}: {reason}", path.display())]
+    Unreadable {
+        /// Which.
+        path: PathBuf,
+        /// What the system or the reader says.
+        reason: String,
+    },
+    /// A line that is not what the layout asks for.
+    #[error("{}, line {line}: {problem}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// 1-based.
+        line: usize,
+        /// What stands there, and what should.
+        problem: String,
+    },
+    /// A file whose length does not fit another one's.
+    #[error("{}: {problem}", path.display())]
+    Misfit {
+        /// The file.
+        path: PathBuf,
+        /// Both lengths.
+        problem: String,
+    },
+    /// A mode or option that the set has no data for.
+    #[error("{0}")]
+    NotMeasurable(String),
+    /// The method itself fails on a shape or pair.
+    #[error("{on}: {error}")]
+    Method {
+        /// `A`, or `A B`.
+        on: String,
+        /// Why.
+        error: Error,
+    },
+}
+
+impl EvaluationError {
+    pub(super) fn unreadable(path: &Path, reason: impl ToString) -> Self {
+        Self::Unreadable { path: path.to_owned(), reason: reason.to_string() }
+    }
+
+    pub(super) fn malformed(path: &Path, line: usize, problem: String) -> Self {
+        Self::Malformed { path: path.to_owned(), line, problem }
+    }
+
+    pub(super) fn misfit(path: &Path, problem: String) -> Self {
+        Self::Misfit { path: path.to_owned(), problem }
+    }
+
+    pub(super) fn method(on: impl Into<String>, error: impl Into<Error>) -> Self {
+        Self::Method { on: on.into(), error: error.into() }
+    }
+}

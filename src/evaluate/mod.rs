@@ -1,0 +1,284 @@
+//! Measuring the method on a set with ground truth. Layout and protocol are those of the evaluation sets' own README;
+//! its terms are used here.
+
+mod cores;
+mod dataset;
+mod error;
+mod oracle;
+mod report;
+mod rotation;
+mod ruler;
+mod selection;
+mod table;
+mod truth;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use ndarray::Array2;
+use serde::{Deserialize, Serialize};
+
+use crate::device::Cpu;
+use crate::error::Error;
+use crate::fmap::Refinement;
+use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
+use crate::pipeline::{match_shapes, prepare};
+use crate::prepared::PreparedShape;
+use crate::progress::Progress;
+use crate::shape::Shape;
+
+use cores::on_all_cores;
+use dataset::DataSet;
+pub use error::EvaluationError;
+pub use report::{Evaluation, PairResult};
+pub use rotation::Rotate;
+use ruler::Ruler;
+use truth::Truth;
+
+/// Thresholds of accuracy, in √area (paper Sec. 4.2).
+const THRESHOLDS: [(&str, f64); 3] = [("0.01", 0.01), ("0.02", 0.02), ("0.05", 0.05)];
+
+/// What faces are used for. Errors are measured on meshes all the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Both shapes are meshes.
+    Mesh,
+    /// Both lose their faces before anything else.
+    Cloud,
+    /// B loses its faces.
+    MeshCloud,
+}
+
+impl Task {
+    /// Where part labels come from: the oracle needs none.
+    fn parts(&self) -> Parts {
+        if self.oracle { Parts::None } else { self.parts }
+    }
+}
+
+impl Mode {
+    /// Whether A and B keep their faces.
+    fn faces(self) -> [FaceUse; 2] {
+        match self {
+            Mode::Mesh => [FaceUse::Use, FaceUse::Use],
+            Mode::Cloud => [FaceUse::Ignore, FaceUse::Ignore],
+            Mode::MeshCloud => [FaceUse::Use, FaceUse::Ignore],
+        }
+    }
+}
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// The set's folder.
+    pub dataset: PathBuf,
+    /// A list of pairs in place of the set's own.
+    pub pairs: Option<PathBuf>,
+    /// How many pairs, or shapes of a set without pairs; those whose lines come first by FNV-1a hash.
+    pub limit: Option<usize>,
+    /// What faces are used for.
+    pub mode: Mode,
+    /// How shapes are prepared, but for their faces. The oracle uses every point.
+    pub preparing: PrepareOptions,
+    /// Part labels that matches use.
+    pub parts: Parts,
+    /// How far matches are refined.
+    pub refine: Refinement,
+    /// Which rotations shapes get; `up` is about `preparing.up`, by default y.
+    pub rotate: Rotate,
+    /// Seed of the rotations.
+    pub seed: u64,
+    /// True maps in place of matches: neither parts nor refinement.
+    pub oracle: bool,
+}
+
+/// Measures. `told` hears a line now and then.
+pub fn evaluate(task: &Task, told: &(dyn Fn(&str) + Sync)) -> Result<Evaluation, EvaluationError> {
+    let set = DataSet::open(&task.dataset)?;
+    if task.parts() == Parts::Predicted {
+        return Err(EvaluationError::method(set.name(), OptionError::no_weights()));
+    }
+    let pairs = set.pairs(task.pairs.as_deref())?;
+    let pairs = selection::select(pairs, |pair| pair.join(" "), task.limit);
+    let needed = needed(&set, task, &pairs)?;
+
+    // Everything is read before anything is computed: what is wrong with the files shows at once.
+    let mut shapes = BTreeMap::new();
+    for (name, faces) in &needed {
+        let shape = set.shape(name)?;
+        if *faces == FaceUse::Use && shape.faces().is_empty() {
+            let sentence = format!("{name} of {} has no faces: measure it with --mode cloud", set.name());
+            return Err(EvaluationError::NotMeasurable(sentence));
+        }
+        shapes.insert(name.as_str(), shape);
+    }
+    let mut rulers = BTreeMap::new();
+    let mut trials = Vec::with_capacity(pairs.len());
+    for pair @ [a, b] in &pairs {
+        let truth = Truth::of(&set, (a, &shapes[a.as_str()]), (b, &shapes[b.as_str()]))?;
+        if task.oracle && truth.vertex_of.is_some() {
+            let sentence = format!("the clouds of {} share no points, so there is no oracle for them", set.name());
+            return Err(EvaluationError::NotMeasurable(sentence));
+        }
+        if !rulers.contains_key(b.as_str()) {
+            let mesh = Truth::mesh(&set, b)?.shape()?;
+            if mesh.faces().is_empty() {
+                let sentence = format!("{b} of {} has no faces, and distances are measured along them", set.name());
+                return Err(EvaluationError::NotMeasurable(sentence));
+            }
+            rulers.insert(b.as_str(), Ruler::new(&mesh));
+        }
+        trials.push((pair, truth));
+    }
+
+    let started = AtomicUsize::new(0);
+    let count = |what: &str, of: usize| {
+        told(&format!("{}/{of} {what}", started.fetch_add(1, Ordering::Relaxed) + 1));
+    };
+    let prepared = on_all_cores(&needed, |(name, faces)| {
+        count(name, needed.len());
+        prepare_one(&set, task, name, &shapes[name.as_str()], *faces)
+    })?;
+    started.store(0, Ordering::Relaxed);
+    let at = |name: &String, faces| {
+        let place = needed.iter().position(|(known, used)| known == name && *used == faces);
+        &prepared[place.expect("all shapes of the pairs are needed")].0
+    };
+    let measured = on_all_cores(&trials, |([a, b], truth)| {
+        count(&format!("{a} {b}"), trials.len());
+        let [faces_a, faces_b] = task.mode.faces();
+        measure(task, [a, b], [at(a, faces_a), at(b, faces_b)], truth, &rulers[b.as_str()])
+    })?;
+    Ok(summary(&set, task, prepared.into_iter().map(|(_, seconds)| seconds), measured))
+}
+
+/// The shapes to prepare, and what for.
+fn needed(set: &DataSet, task: &Task, pairs: &[[String; 2]]) -> Result<Vec<(String, FaceUse)>, EvaluationError> {
+    let mut needed: Vec<(String, FaceUse)> = Vec::new();
+    for both in pairs.iter().flat_map(|pair| pair.iter().cloned().zip(task.mode.faces())) {
+        if !needed.contains(&both) {
+            needed.push(both);
+        }
+    }
+    if pairs.is_empty() {
+        if task.oracle || task.mode == Mode::MeshCloud {
+            let sentence = format!("{} has no pairs, which --oracle and --mode mesh-cloud are about", set.name());
+            return Err(EvaluationError::NotMeasurable(sentence));
+        }
+        let shapes = selection::select(set.shapes()?, String::clone, task.limit);
+        needed.extend(shapes.into_iter().map(|name| (name, task.mode.faces()[0])));
+    }
+    Ok(needed)
+}
+
+/// A shape as the mode uses it, and the seconds it took.
+fn prepare_one(
+    set: &DataSet,
+    task: &Task,
+    name: &str,
+    shape: &Shape,
+    faces: FaceUse,
+) -> Result<(PreparedShape, f64), EvaluationError> {
+    let (points, failed) = (shape.points(), |e: Error| EvaluationError::method(name, e));
+    let labels = match task.parts() {
+        Parts::Given => Some(set.labels(name, points.len())?),
+        _ => None,
+    };
+    let turned = task.rotate.turn(points, name, task.seed, task.preparing.up.unwrap_or(Axis::Y));
+    let shape = Shape::new(turned, shape.faces().to_vec(), labels).map_err(|e| failed(e.into()))?;
+    let mut options = PrepareOptions { faces, ..task.preparing.clone() };
+    if task.oracle {
+        options.points = options.points.max(points.len());
+    }
+    let clock = Instant::now();
+    let prepared = prepare(shape, Some(name.to_owned()), &options, &mut Progress::silent()).map_err(failed)?;
+    Ok((prepared, clock.elapsed().as_secs_f64()))
+}
+
+/// What one pair contributes.
+struct Measured {
+    result: PairResult,
+    accuracy: [f64; THRESHOLDS.len()],
+    flipped_points: Option<f64>,
+    seconds: f64,
+}
+
+fn measure(
+    task: &Task,
+    [source, target]: [&String; 2],
+    [a, b]: [&PreparedShape; 2],
+    truth: &Truth,
+    ruler: &Ruler,
+) -> Result<Measured, EvaluationError> {
+    let failed = |e: Error| EvaluationError::method(format!("{source} {target}"), e);
+    let clock = Instant::now();
+    let (found, raw) = if task.oracle {
+        let found = oracle::oracle(at_every_point(a).view(), at_every_point(b).view(), &truth.lines);
+        let stuck = |_| format!("{source} {target}: the least squares of the oracle do not converge");
+        (found.map_err(|e| EvaluationError::NotMeasurable(stuck(e)))?, None)
+    } else {
+        let (parts, refine) = (task.parts(), task.refine);
+        let options = MatchOptions { parts, refine, raw: refine != Refinement::None, ..Default::default() };
+        let mut progress = Progress::silent();
+        let matched = pollster::block_on(match_shapes(&Cpu, a, b, &options, &mut progress)).map_err(failed)?;
+        (matched.a_to_b.target, matched.raw.map(|raw| raw.target))
+    };
+    let seconds = clock.elapsed().as_secs_f64();
+    let errors = ruler.errors(truth, &found);
+    let age_raw = raw.map_or(errors.age(), |raw| ruler.errors(truth, &raw).age());
+    let flipped = truth.mirrored.as_ref().map(|mirrored| ruler.is_flipped(&errors, mirrored));
+    Ok(Measured {
+        result: PairResult { source: source.clone(), target: target.clone(), age: errors.age(), age_raw, flipped },
+        accuracy: THRESHOLDS.map(|(_, threshold)| errors.accuracy(threshold)),
+        flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
+        seconds,
+    })
+}
+
+/// Φ (n, k) at every uploaded point.
+fn at_every_point(shape: &PreparedShape) -> Array2<f64> {
+    let phi = &shape.basis.eigenvectors;
+    match &shape.support.carrier_of {
+        None => phi.clone(),
+        Some(of) => phi.select(ndarray::Axis(0), &of.iter().map(|&carrier| carrier as usize).collect::<Vec<_>>()),
+    }
+}
+
+fn summary(
+    set: &DataSet,
+    task: &Task,
+    seconds_per_shape: impl Iterator<Item = f64>,
+    measured: Vec<Measured>,
+) -> Evaluation {
+    let over_pairs = |value: &dyn Fn(&Measured) -> f64| mean(measured.iter().map(value));
+    let accuracy = THRESHOLDS.iter().enumerate().map(|(t, (name, _))| Some((*name, over_pairs(&|m| m.accuracy[t])?)));
+    let flipped: Vec<bool> = measured.iter().filter_map(|m| m.result.flipped).collect();
+    Evaluation {
+        set: set.name(),
+        mode: task.mode,
+        refine: if task.oracle { Refinement::None } else { task.refine },
+        parts: task.parts(),
+        rotate: task.rotate,
+        oracle: task.oracle,
+        pairs: measured.len(),
+        age: over_pairs(&|m| m.result.age),
+        age_raw: over_pairs(&|m| m.result.age_raw),
+        accuracy: accuracy.collect(),
+        flips: (!flipped.is_empty()).then(|| flipped.iter().filter(|&&flipped| flipped).count()),
+        flipped_points: mean(measured.iter().filter_map(|m| m.flipped_points)),
+        // Nothing predicts parts without weights; `part_scores` is ready for it.
+        part_miou: None,
+        part_agreement: None,
+        seconds_per_shape: mean(seconds_per_shape),
+        seconds_per_pair: over_pairs(&|m| m.seconds),
+        per_pair: measured.into_iter().map(|m| m.result).collect(),
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}

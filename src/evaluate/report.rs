@@ -1,0 +1,102 @@
+//! What was measured, as JSON for programs and as a few lines for people.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Serialize;
+
+use super::{Mode, Rotate};
+use crate::fmap::Refinement;
+use crate::options::Parts;
+use crate::shape::counted;
+
+/// The measurements of one set in one mode. What the set has no data for is `None`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Evaluation {
+    /// The set's name.
+    pub set: String,
+    /// What faces were used for.
+    pub mode: Mode,
+    /// How far matches were refined.
+    pub refine: Refinement,
+    /// Where part labels came from.
+    pub parts: Parts,
+    /// Which rotations shapes got.
+    pub rotate: Rotate,
+    /// Whether true maps were measured instead of matches.
+    pub oracle: bool,
+    /// Pairs measured.
+    pub pairs: usize,
+    /// Mean error ×100, mean over pairs.
+    pub age: Option<f64>,
+    /// The same before refinement; without refinement the same number.
+    pub age_raw: Option<f64>,
+    /// The share of lines with an error of at most the key (in √area), mean over pairs.
+    pub accuracy: Option<BTreeMap<&'static str, f64>>,
+    /// Pairs nearer to the mirrored truth.
+    pub flips: Option<usize>,
+    /// The share of lines nearer to the mirrored truth, mean over pairs.
+    pub flipped_points: Option<f64>,
+    /// Intersection over union of predicted and given parts by area, mean over parts, then over shapes.
+    pub part_miou: Option<f64>,
+    /// The share of the area where predicted and given parts agree, mean over shapes.
+    pub part_agreement: Option<f64>,
+    /// Mean seconds to prepare a shape.
+    pub seconds_per_shape: Option<f64>,
+    /// Mean seconds to match a pair, both directions, the match before refinement included.
+    pub seconds_per_pair: Option<f64>,
+    /// Pair by pair.
+    pub per_pair: Vec<PairResult>,
+}
+
+/// The measurements of one pair.
+#[derive(Clone, Debug, Serialize)]
+pub struct PairResult {
+    /// A.
+    pub source: String,
+    /// B.
+    pub target: String,
+    /// Mean error ×100.
+    pub age: f64,
+    /// The same before refinement.
+    pub age_raw: f64,
+    /// Whether it is nearer to the mirrored truth.
+    pub flipped: Option<bool>,
+}
+
+impl fmt::Display for Evaluation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let how = match self.oracle {
+            true => "oracle".to_owned(),
+            false => format!("refine {}, parts {}", name(self.refine), name(self.parts)),
+        };
+        let pairs = counted(self.pairs, "pair", "pairs");
+        writeln!(f, "{}, mode {}, {how}, rotate {}: {pairs}", self.set, name(self.mode), name(self.rotate))?;
+        if let (Some(age), Some(raw)) = (self.age, self.age_raw) {
+            let before =
+                if self.refine == Refinement::None { String::new() } else { format!(", before refinement {raw:.2}") };
+            writeln!(f, "mean error {age:.2}{before} (×100/√area)")?;
+        }
+        if let Some(accuracy) = &self.accuracy {
+            let shares: Vec<_> =
+                accuracy.iter().map(|(t, share)| format!("{:.1} % within {t}", 100.0 * share)).collect();
+            writeln!(f, "{}", shares.join(", "))?;
+        }
+        if let (Some(flips), Some(points)) = (self.flips, self.flipped_points) {
+            writeln!(f, "{flips} of {pairs} flipped, {:.1} % of points", 100.0 * points)?;
+        }
+        if let (Some(miou), Some(agreement)) = (self.part_miou, self.part_agreement) {
+            writeln!(f, "parts: mIoU {miou:.3}, agreement {agreement:.3}")?;
+        }
+        let seconds = [("shape", self.seconds_per_shape), ("pair", self.seconds_per_pair)];
+        let seconds: Vec<_> =
+            seconds.iter().filter_map(|(what, s)| Some(format!("{:.2} s per {what}", (*s)?))).collect();
+        write!(f, "{}", seconds.join(", "))
+    }
+}
+
+/// An option's value as users write it.
+fn name(option: impl Serialize) -> String {
+    let value = serde_json::to_value(option).unwrap_or_default();
+    value.as_str().unwrap_or_default().to_owned()
+}
