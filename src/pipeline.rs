@@ -65,13 +65,14 @@ pub fn prepare(
         (false, _) => Some(farthest_points(used_shape.points(), &surface, options.points)),
     };
     // A mesh keeps its own operator; a cloud, or a mesh too large for that, gets the operator of its samples.
-    let on_mesh = !used_shape.faces().is_empty() && (samples.is_none() || n <= MESH_LIMIT);
+    let on_mesh = !used_shape.faces().is_empty() && (samples.is_none() || surface.len() <= MESH_LIMIT);
     if !used_shape.faces().is_empty() && !on_mesh {
         let message = format!(
-            "the mesh has {n} vertices, more than {MESH_LIMIT}: it was matched as a cloud of {} samples",
+            "the mesh has {} vertices, more than {MESH_LIMIT}: it was matched as a cloud of {} samples",
+            surface.len(),
             options.points
         );
-        repairs.push(Repair::noted("mesh-taken-as-cloud", n, message));
+        repairs.push(Repair::noted("mesh-taken-as-cloud", surface.len(), message));
     }
     let kind = options.laplacian.unwrap_or(if on_mesh { LaplacianKind::Cotangent } else { LaplacianKind::Geodesic });
     let on_all_points = samples.is_none() || (on_mesh && kind == LaplacianKind::Cotangent);
@@ -160,9 +161,19 @@ pub async fn match_shapes<D: Device>(
     })
 }
 
-/// Points that carry surface: all of a cloud, and of a mesh those that belong to a face.
+/// Points that carry surface: of a mesh those that belong to a face, of a cloud one at each place, because copies would take the
+/// places of neighbours.
 fn surface_points(shape: &Shape) -> Vec<u32> {
-    let mut on_surface = vec![shape.faces().is_empty(); shape.points().len()];
+    if shape.faces().is_empty() {
+        return shape
+            .first_at_place()
+            .into_iter()
+            .enumerate()
+            .filter(|&(i, f)| i == f as usize)
+            .map(|(_, f)| f)
+            .collect();
+    }
+    let mut on_surface = vec![false; shape.points().len()];
     shape.faces().iter().flatten().for_each(|&i| on_surface[i as usize] = true);
     (0..on_surface.len() as u32).filter(|&i| on_surface[i as usize]).collect()
 }

@@ -10,9 +10,9 @@ use std::sync::LazyLock;
 use geose_fmap::{
     BlockError, Correspondence, Cpu, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, Parts,
     PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
-    prepare,
+    prepare, read,
 };
-use shapes::{BODIES, Random, Soup, blob, body, fibonacci_sphere, icosphere, prepared, scan, soup, turn};
+use shapes::{BODIES, Random, Soup, blob, body, fibonacci_sphere, icosphere, prepared, scan, soup, torus, turn};
 
 fn matched(a: &PreparedShape, b: &PreparedShape) -> Match {
     matched_with(a, b, &MatchOptions::default()).expect("a match")
@@ -308,6 +308,79 @@ fn vertices_without_faces_and_several_pieces_still_have_targets() {
     // Nothing is ever matched onto a vertex that is not part of the surface.
     let onto_strays = matched(&whole, &stray).a_to_b.target;
     assert!(onto_strays.iter().all(|&t| t != 0 && t <= whole.shape.points().len() as u32));
+}
+
+/// The mesh as a binary STL holds it.
+fn stl(soup: &Soup) -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    bytes.extend((soup.faces.len() as u32).to_le_bytes());
+    for face in &soup.faces {
+        bytes.extend([0; 12]);
+        face.iter().flat_map(|&i| soup.points[i as usize]).for_each(|c| bytes.extend((c as f32).to_le_bytes()));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn triangle_soup_is_matched_on_its_surface_and_every_uploaded_corner_has_a_target() {
+    let whole = blob(3);
+    let shape = read(&stl(&whole), Some("blob.stl"), None).expect("an STL");
+    let corners = whole.faces.as_flattened();
+    assert_eq!(shape.points().len(), corners.len());
+    let joined = shape.repairs().iter().find(|r| r.code == "corners-joined").map(|r| r.count);
+    assert_eq!(joined, Some(corners.len() - whole.points.len()));
+
+    let rounded = whole.moved(|p| p.map(|c| f64::from(c as f32))).shape();
+    for points in [5000, 300] {
+        let options = PrepareOptions { points, ..quick() };
+        let (mesh, loose) = (prepared(rounded.clone(), &options), prepared(shape.clone(), &options));
+        assert_eq!((loose.info.kind, loose.info.pieces), (ShapeKind::Mesh, 1));
+        assert_eq!((loose.info.laplacian, loose.info.points_used), (mesh.info.laplacian, mesh.info.points_used));
+        assert!((loose.info.scale / mesh.info.scale - 1.0).abs() < 1e-12, "same area, so same mass");
+        for (k, (one, other)) in loose.basis.eigenvalues.iter().zip(&mesh.basis.eigenvalues).enumerate().skip(1) {
+            assert!((one / other - 1.0).abs() < 1e-6, "eigenvalue {k} with {points} points");
+        }
+        let places = loose.matchable();
+        assert!((places.basis.mass.sum() - 1.0).abs() < 1e-12 && places.basis.mass.iter().all(|&m| m > 0.0));
+        // Corners of one place have one row, of whose eigenfunctions none is left at zero.
+        let mut row_of = vec![None; whole.points.len()];
+        for (corner, &vertex) in corners.iter().enumerate() {
+            let row = loose.row_of(corner as u32);
+            assert_eq!(*row_of[vertex as usize].get_or_insert(row), row);
+            assert!(places.basis.eigenvectors.row(row as usize).iter().any(|&v| v.abs() > 1e-6));
+        }
+        let found = assert_match("soup onto mesh", &loose, &mesh);
+        assert_eq!(found.a_to_b.target.len(), corners.len());
+        let right = corners.iter().zip(&found.a_to_b.target).filter(|(vertex, target)| vertex == target).count();
+        println!("{points} points: {right} of {} corners find their vertex", corners.len());
+        assert!(points == 300 || right * 100 > corners.len() * 99, "{right} of {}", corners.len());
+        let back = matched(&mesh, &loose);
+        let right = (0..whole.points.len()).filter(|&i| corners[back.a_to_b.target[i] as usize] as usize == i).count();
+        assert!(points == 300 || right * 100 > whole.points.len() * 99, "{right}");
+    }
+}
+
+#[test]
+fn triangle_soup_of_many_corners_stays_a_mesh_while_its_vertices_are_few() {
+    let whole = torus(2.0, 0.7, 100, 60);
+    let shape = read(&stl(&whole), Some("torus.stl"), None).expect("an STL");
+    assert_eq!(shape.points().len(), 36_000);
+    let loose = prepared(shape, &PrepareOptions { points: 1000, eigenpairs: 20, ..PrepareOptions::default() });
+    assert_eq!((loose.info.kind, loose.info.points_used), (ShapeKind::Mesh, 1000));
+    assert!(loose.repairs.iter().all(|r| r.code != "mesh-taken-as-cloud"));
+}
+
+#[test]
+fn copies_of_the_points_of_a_cloud_change_nothing_but_their_number() {
+    let once = fibonacci_sphere(400).moved(|[x, y, z]| [x, 1.5 * y, (1.0 + 0.3 * y) * z]);
+    let five = Soup { points: (0..5).flat_map(|_| once.points.clone()).collect(), faces: vec![] };
+    let [once, five] = [once, five].map(|soup| prepared(soup.shape(), &quick()));
+    assert_eq!((once.info.points_used, five.info.points_used), (400, 400));
+    assert_eq!(once.basis.eigenvalues, five.basis.eigenvalues);
+    let found = assert_match("copies onto a cloud", &five, &once);
+    assert_eq!(found.a_to_b.target.len(), 2000);
+    assert_eq!(found.a_to_b.target[..400], found.a_to_b.target[1600..]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use geose_fmap::read;
 
-use crate::sample::all_formats;
+use crate::sample::all_files;
 
 /// A small generator with a period long enough for a test (SplitMix64, Steele et al. 2014).
 struct Random(u64);
@@ -39,10 +39,10 @@ fn survives(bytes: &[u8], name: &str) -> bool {
 
 #[test]
 fn a_file_cut_anywhere_is_a_shape_or_an_error() {
-    for (name, bytes) in all_formats() {
+    for (name, bytes, _) in all_files() {
         let read = (0..bytes.len()).filter(|&end| survives(&bytes[..end], name)).count();
         assert!(read < bytes.len(), "{name}: some cut must be refused");
-        if name.ends_with("little.ply") || name.ends_with("big.ply") || name.ends_with("glb") {
+        if ["little.ply", "big.ply", "a.glb", "binary.stl"].contains(&name) {
             assert_eq!(read, 0, "{name}: every cut of a binary file is noticed");
         }
     }
@@ -50,7 +50,7 @@ fn a_file_cut_anywhere_is_a_shape_or_an_error() {
 
 #[test]
 fn flipped_bytes_are_survived() {
-    for (name, bytes) in all_formats() {
+    for (name, bytes, _) in all_files() {
         let mut random = Random(1);
         for _ in 0..2000 {
             let mut broken = bytes.clone();
@@ -79,7 +79,7 @@ fn broken_headers_are_survived() {
         b"list",
         b"\"",
     ];
-    for (name, bytes) in all_formats() {
+    for (name, bytes, _) in all_files() {
         let mut random = Random(2);
         for _ in 0..2000 {
             let at = random.below(bytes.len().min(900));
@@ -93,10 +93,10 @@ fn broken_headers_are_survived() {
 #[test]
 fn noise_behind_every_magic_word_is_survived() {
     let mut random = Random(3);
-    for magic in ["", "OFF\n", "ply\n", "v 0 0 0\n", "glTF\x02\0\0\0", "{"] {
+    for magic in ["", "OFF\n", "ply\n", "v 0 0 0\n", "glTF\x02\0\0\0", "{", "solid\n", "3\n1 2 3\n", "x;y;z\n"] {
         for length in 0..300 {
             let noise: Vec<u8> = (0..length).map(|_| random.below(256) as u8).collect();
-            for name in ["a.off", "a.ply", "a.obj", "a.glb", "a.gltf"] {
+            for name in ["a.off", "a.ply", "a.obj", "a.glb", "a.gltf", "a.stl", "a.xyz", "a.pts", "a.csv"] {
                 survives(&[magic.as_bytes(), &noise].concat(), name);
             }
         }
