@@ -1,4 +1,5 @@
-//! Nothing a file can hold makes a reader panic, hang or take memory the file does not account for.
+//! Files cut anywhere, noise, and single enormous things make no reader panic or hang. What is broken at random, and memory, is in
+//! `readers_survive.rs`.
 
 use std::time::{Duration, Instant};
 
@@ -44,48 +45,6 @@ fn a_file_cut_anywhere_is_a_shape_or_an_error() {
         assert!(read < bytes.len(), "{name}: some cut must be refused");
         if ["little.ply", "big.ply", "a.glb", "binary.stl"].contains(&name) {
             assert_eq!(read, 0, "{name}: every cut of a binary file is noticed");
-        }
-    }
-}
-
-#[test]
-fn flipped_bytes_are_survived() {
-    for (name, bytes, _) in all_files() {
-        let mut random = Random(1);
-        for _ in 0..2000 {
-            let mut broken = bytes.clone();
-            for _ in 0..=random.below(8) {
-                let at = random.below(broken.len());
-                broken[at] = random.below(256) as u8;
-            }
-            survives(&broken, name);
-        }
-    }
-}
-
-#[test]
-fn broken_headers_are_survived() {
-    let pieces: [&[u8]; 12] = [
-        b"4294967295",
-        b"-1",
-        b"9999999999999999999999",
-        b"\n",
-        b"\0",
-        b"nan",
-        b"1e400",
-        b" ",
-        b"{",
-        b"[",
-        b"list",
-        b"\"",
-    ];
-    for (name, bytes, _) in all_files() {
-        let mut random = Random(2);
-        for _ in 0..2000 {
-            let at = random.below(bytes.len().min(900));
-            let cut = random.below(6);
-            let piece = pieces[random.below(pieces.len())];
-            survives(&[&bytes[..at], piece, &bytes[(at + cut).min(bytes.len())..]].concat(), name);
         }
     }
 }
