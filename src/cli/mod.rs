@@ -2,6 +2,7 @@
 
 mod info;
 mod laplacian;
+mod map_file;
 mod matching;
 
 use std::path::{Path, PathBuf};
@@ -9,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::{LaplacianKind, Match, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
+use crate::{LaplacianKind, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
 
 /// Which point of one deformable 3D scan is which point of the other.
 #[derive(Parser)]
@@ -88,6 +89,6 @@ fn prepare_scan(path: &Path, preparing: &Preparing) -> Result<PreparedShape, Fai
     Ok(prepare(shape, name, &preparing.options(), &mut progress).map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
-fn write(path: &Path, contents: &str) -> Result<(), Failure> {
+fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
     std::fs::write(path, contents).map_err(|e| format!("{}: {e}", path.display()).into())
 }
