@@ -35,6 +35,8 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
+#[cfg(not(target_arch = "wasm32"))]
+mod colour;
 mod device;
 mod error;
 #[cfg(not(target_arch = "wasm32"))]
@@ -55,6 +57,8 @@ pub mod train;
 mod vector;
 #[cfg(target_arch = "wasm32")]
 pub mod wasm;
+#[cfg(not(target_arch = "wasm32"))]
+mod write;
 
 pub use device::{Cpu, Device};
 pub use error::Error;

@@ -55,7 +55,7 @@ pub fn prepare(
     let n = as_read.points().len();
     let in_faces = surface_points(&as_read).len();
     let used_shape = match options.faces {
-        FaceUse::Use if 2 * in_faces >= n => as_read.welded(),
+        FaceUse::Use if as_read.faces().is_empty() || 2 * in_faces >= n => as_read.welded(),
         FaceUse::Use => {
             let message = format!("only {in_faces} of {n} points belong to a face: the scan was taken as a cloud");
             repairs.push(Repair::noted("faces-set-aside", as_read.faces().len(), message));
@@ -150,6 +150,7 @@ pub async fn match_shapes<D: Device>(
         Parts::None => None,
     };
     let (side_a, side_b) = (a.matchable(), b.matchable());
+    let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
     let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
     let known = [
         landmarks(a, b, &side_a, &side_b, &options.landmarks)?,
@@ -163,13 +164,13 @@ pub async fn match_shapes<D: Device>(
         true => {
             let (sides, maps) = ((&side_a, &side_b), first.clone());
             let (raw, ..) = refine(device, sides, maps, &rotation, parts, Refinement::None, progress).await?;
-            Some(lift(&raw, a, b))
+            Some(lift(&raw, a, b, labels))
         }
         false => None,
     };
     let (a_to_b, b_to_a, maps) =
         refine(device, (&side_a, &side_b), first, &rotation, parts, options.refine, progress).await?;
-    let (a_to_b, b_to_a) = (lift(&a_to_b, a, b), lift(&b_to_a, b, a));
+    let (a_to_b, b_to_a) = (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
     progress.at(Stage::Correspondence, 1.0)?;
 
     Ok(Match {
@@ -184,9 +185,19 @@ pub async fn match_shapes<D: Device>(
     })
 }
 
-/// Points that carry surface: all of a cloud, and of a mesh those that belong to a face.
+/// Points that carry surface: of a mesh those that belong to a face, of a cloud one at each place, because copies would take the
+/// places of neighbours.
 fn surface_points(shape: &Shape) -> Vec<u32> {
-    let mut on_surface = vec![shape.faces().is_empty(); shape.points().len()];
+    if shape.faces().is_empty() {
+        return shape
+            .first_at_place()
+            .into_iter()
+            .enumerate()
+            .filter(|&(i, f)| i == f as usize)
+            .map(|(_, f)| f)
+            .collect();
+    }
+    let mut on_surface = vec![false; shape.points().len()];
     shape.faces().iter().flatten().for_each(|&i| on_surface[i as usize] = true);
     (0..on_surface.len() as u32).filter(|&i| on_surface[i as usize]).collect()
 }

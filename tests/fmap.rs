@@ -200,11 +200,11 @@ fn given_parts_are_a_wall() {
     // Points that take part keep their label; the others follow the nearest that does, which may lie over a border.
     let mut over = [0, 0];
     for row in 0..a.points_used() {
-        let i = a.uploaded(row);
+        let i = a.support.uploaded(row);
         over[0] += usize::from(labels_a[i] != labels_b[found.a_to_b.target[i] as usize]);
     }
     for row in 0..b.points_used() {
-        let i = b.uploaded(row);
+        let i = b.support.uploaded(row);
         over[1] += usize::from(labels_b[i] != labels_a[found.b_to_a.target[i] as usize]);
     }
     assert_eq!(over, [0, 0]);

@@ -10,10 +10,11 @@ use std::sync::LazyLock;
 use geose_fmap::{
     BlockError, Correspondence, Cpu, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, Parts,
     PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
-    prepare,
+    prepare, read,
 };
 use shapes::{
-    BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, soup, subdivided, turn,
+    BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, soup, subdivided, torus,
+    turn,
 };
 
 fn matched(a: &PreparedShape, b: &PreparedShape) -> Match {
@@ -312,6 +313,79 @@ fn vertices_without_faces_and_several_pieces_still_have_targets() {
     assert!(onto_strays.iter().all(|&t| t != 0 && t <= whole.shape.points().len() as u32));
 }
 
+/// The mesh as a binary STL holds it.
+fn stl(soup: &Soup) -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    bytes.extend((soup.faces.len() as u32).to_le_bytes());
+    for face in &soup.faces {
+        bytes.extend([0; 12]);
+        face.iter().flat_map(|&i| soup.points[i as usize]).for_each(|c| bytes.extend((c as f32).to_le_bytes()));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn triangle_soup_is_matched_on_its_surface_and_every_uploaded_corner_has_a_target() {
+    let whole = blob(3);
+    let shape = read(&stl(&whole), Some("blob.stl"), None).expect("an STL");
+    let corners = whole.faces.as_flattened();
+    assert_eq!(shape.points().len(), corners.len());
+    let joined = shape.repairs().iter().find(|r| r.code == "corners-joined").map(|r| r.count);
+    assert_eq!(joined, Some(corners.len() - whole.points.len()));
+
+    let rounded = whole.moved(|p| p.map(|c| f64::from(c as f32))).shape();
+    for points in [5000, 300] {
+        let options = PrepareOptions { points, ..quick() };
+        let (mesh, loose) = (prepared(rounded.clone(), &options), prepared(shape.clone(), &options));
+        assert_eq!((loose.info.kind, loose.info.pieces), (ShapeKind::Mesh, 1));
+        assert_eq!((loose.info.laplacian, loose.info.points_used), (mesh.info.laplacian, mesh.info.points_used));
+        assert!((loose.info.scale / mesh.info.scale - 1.0).abs() < 1e-12, "same area, so same mass");
+        for (k, (one, other)) in loose.basis.eigenvalues.iter().zip(&mesh.basis.eigenvalues).enumerate().skip(1) {
+            assert!((one / other - 1.0).abs() < 1e-6, "eigenvalue {k} with {points} points");
+        }
+        let places = loose.matchable();
+        assert!((places.basis.mass.sum() - 1.0).abs() < 1e-12 && places.basis.mass.iter().all(|&m| m > 0.0));
+        // Corners of one place have one row, of whose eigenfunctions none is left at zero.
+        let mut row_of = vec![None; whole.points.len()];
+        for (corner, &vertex) in corners.iter().enumerate() {
+            let row = loose.support.row_of(corner);
+            assert_eq!(*row_of[vertex as usize].get_or_insert(row), row);
+            assert!(places.basis.eigenvectors.row(row).iter().any(|&v| v.abs() > 1e-6));
+        }
+        let found = assert_match("soup onto mesh", &loose, &mesh);
+        assert_eq!(found.a_to_b.target.len(), corners.len());
+        let right = corners.iter().zip(&found.a_to_b.target).filter(|(vertex, target)| vertex == target).count();
+        println!("{points} points: {right} of {} corners find their vertex", corners.len());
+        assert!(points == 300 || right * 100 > corners.len() * 99, "{right} of {}", corners.len());
+        let back = matched(&mesh, &loose);
+        let right = (0..whole.points.len()).filter(|&i| corners[back.a_to_b.target[i] as usize] as usize == i).count();
+        assert!(points == 300 || right * 100 > whole.points.len() * 99, "{right}");
+    }
+}
+
+#[test]
+fn triangle_soup_of_many_corners_stays_a_mesh_while_its_vertices_are_few() {
+    let whole = torus(2.0, 0.7, 100, 60);
+    let shape = read(&stl(&whole), Some("torus.stl"), None).expect("an STL");
+    assert_eq!(shape.points().len(), 36_000);
+    let loose = prepared(shape, &PrepareOptions { points: 1000, eigenpairs: 20, ..PrepareOptions::default() });
+    assert_eq!((loose.info.kind, loose.info.points_used), (ShapeKind::Mesh, 1000));
+    assert!(loose.repairs.iter().all(|r| r.code != "mesh-taken-as-cloud"));
+}
+
+#[test]
+fn copies_of_the_points_of_a_cloud_change_nothing_but_their_number() {
+    let once = fibonacci_sphere(400).moved(|[x, y, z]| [x, 1.5 * y, (1.0 + 0.3 * y) * z]);
+    let five = Soup { points: (0..5).flat_map(|_| once.points.clone()).collect(), faces: vec![] };
+    let [once, five] = [once, five].map(|soup| prepared(soup.shape(), &quick()));
+    assert_eq!((once.info.points_used, five.info.points_used), (400, 400));
+    assert_eq!(once.basis.eigenvalues, five.basis.eigenvalues);
+    let found = assert_match("copies onto a cloud", &five, &once);
+    assert_eq!(found.a_to_b.target.len(), 2000);
+    assert_eq!(found.a_to_b.target[..400], found.a_to_b.target[1600..]);
+}
+
 #[test]
 fn thirty_identical_pieces_prepare_and_match() {
     let mut many = Soup { points: vec![], faces: vec![] };
@@ -396,6 +470,46 @@ fn a_few_stray_faces_do_not_make_a_mesh() {
     let shape = Shape::new(points, faces, None).expect("a valid shape");
     let error = prepare(shape, None, &quick(), &mut Progress::silent()).expect_err("twelve places");
     assert_eq!(error.code(), "too-few-points");
+}
+
+#[test]
+fn crumbs_and_strays_are_set_aside_and_change_nothing_for_the_body() {
+    let clean = body(BODIES[0]);
+    let mut random = Random(3);
+    let mut place = || std::array::from_fn::<f64, 3, _>(|c| [2.0, 1.8, 2.0][c] * (random.unit() - [0.5, 0.0, 0.5][c]));
+    let mut strewn = soup(&clean);
+    for _ in 0..60 {
+        let (first, centre) = (strewn.points.len() as u32, place());
+        let corner = |c: usize| std::array::from_fn(|a| centre[a] + if a == c { 0.01 } else { 0.0 });
+        strewn.points.extend([centre, corner(0), corner(1), corner(2)]);
+        strewn.faces.extend([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|f| f.map(|i| first + i)));
+    }
+    let mut cloud = soup(&clean).cloud();
+    cloud.points.extend((0..150).map(|_| place()));
+    let other = prepared(body(BODIES[2]), &PrepareOptions::default());
+    let alone = assert_match("the body alone", &prepared(clean.clone(), &PrepareOptions::default()), &other);
+    for (name, scan) in [("crumbs", strewn.shape()), ("strays", cloud.shape())] {
+        let n = scan.points().len();
+        let shape = prepared(scan, &PrepareOptions::default());
+        let aside = shape.repairs.iter().find(|repair| repair.code == "crumbs-set-aside").expect("said");
+        println!("{name}: {}", aside.message);
+        assert_eq!(shape.info.pieces, 1);
+        let found = matched(&shape, &other);
+        let unmatched = (5000..n).filter(|&i| found.a_to_b.target[i] == UNMATCHED).count();
+        // Strays close to the body cannot be told from it.
+        assert!(unmatched * 10 > (n - 5000) * 7, "{name}: {unmatched} of {} unmatched", n - 5000);
+        let lost = (0..5000).filter(|&i| found.a_to_b.target[i] == UNMATCHED).count();
+        assert!(lost < 25, "{name}: {lost} of the body unmatched");
+        assert!((0..n).all(|i| (found.a_to_b.target[i] == UNMATCHED) == (found.a_to_b.confidence[i] == 0.0)));
+        assert!(found.b_to_a.target.iter().all(|&i| i < 5000), "{name}: nothing goes to what was set aside");
+        let distances = EdgeDistances::new(&other.shape);
+        let error = |map: &Match| {
+            let pairs = (0..5000).map(|i| (map.a_to_b.target[i as usize], i)).filter(|&(j, _)| j != UNMATCHED);
+            mean_error(&distances, &pairs.collect::<Vec<_>>())
+        };
+        println!("{name}: error {:.2}, alone {:.2}", error(&found), error(&alone));
+        assert!(error(&found) < error(&alone) + 1.0, "{name}: {}", error(&found));
+    }
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 #![cfg(not(target_arch = "wasm32"))]
 
+#[path = "readers/contract.rs"]
+mod contract;
 #[path = "readers/gltf.rs"]
 mod gltf;
 #[path = "readers/hostile.rs"]
@@ -18,3 +20,7 @@ mod sample;
 mod shape;
 #[path = "readers/sniffing.rs"]
 mod sniffing;
+#[path = "readers/stl.rs"]
+mod stl;
+#[path = "readers/table.rs"]
+mod table;

@@ -45,7 +45,7 @@ export interface ArrayInput {
 export type ShapeInput = FileInput | ArrayInput;
 
 /** File formats that can be read. */
-export type FileFormat = 'obj' | 'ply' | 'off' | 'glb' | 'gltf';
+export type FileFormat = 'obj' | 'ply' | 'off' | 'stl' | 'glb' | 'gltf' | 'xyz' | 'pts' | 'csv';
 
 /** How a file is to be read. */
 export interface ReadOptions {

@@ -1,9 +1,8 @@
 //! `geose-fmap match A B -o map.csv`
 
-use std::fmt::Write as _;
-
-use super::{Failure, Match, PathBuf, Preparing, Running, parse, prepare_scan, write};
-use crate::{Cpu, MatchOptions, Parts, Progress, Refinement, UNMATCHED, match_shapes};
+use super::map_file::{MapFile, Outcome};
+use super::{Failure, PathBuf, Preparing, Running, parse, prepare_scan};
+use crate::{Cpu, MatchOptions, Parts, Progress, Refinement, match_shapes};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -11,9 +10,10 @@ pub(super) struct Arguments {
     a: PathBuf,
     /// The scan they are matched to.
     b: PathBuf,
-    /// Where the map goes: header source,target,confidence; an unmatched point has an empty target.
-    #[arg(short, long)]
-    output: PathBuf,
+    /// Where the map goes. As .csv: header source,target,confidence; an unmatched point has an empty target. As .json: the same with what it
+    /// was made from. As .ply or .glb: A in the colours of the places on B that its points are matched with, and beside it B, as NAME.b.ply.
+    #[arg(short, long, value_parser = MapFile::parse)]
+    output: MapFile,
     #[command(flatten)]
     preparing: Preparing,
     /// none, zoomout or best.
@@ -32,7 +32,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let b = prepare_scan(&arguments.b, &arguments.preparing)?;
     let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, ..Default::default() };
     let matched = pollster::block_on(match_shapes(&Cpu, &a, &b, &options, &mut Progress::silent()))?;
-    write(&arguments.output, &csv(&matched)?)?;
+    let preparing = &arguments.preparing.options();
+    arguments.output.write(&Outcome { a: &a, b: &b, preparing, options: &options, matched: &matched })?;
     for (stage, seconds) in &matched.seconds {
         eprintln!("{stage}: {seconds:.3} s");
     }
@@ -40,15 +41,4 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("note: {warning}");
     }
     Ok(())
-}
-
-fn csv(matched: &Match) -> Result<String, Failure> {
-    let mut text = String::from("source,target,confidence\n");
-    for (source, (&target, confidence)) in matched.a_to_b.target.iter().zip(&matched.a_to_b.confidence).enumerate() {
-        match target {
-            UNMATCHED => writeln!(text, "{source},,0")?,
-            target => writeln!(text, "{source},{target},{confidence}")?,
-        }
-    }
-    Ok(text)
 }

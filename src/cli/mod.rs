@@ -3,6 +3,7 @@
 mod evaluate;
 mod info;
 mod laplacian;
+mod map_file;
 mod matching;
 
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::{Axis, LaplacianKind, Match, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
+use crate::{Axis, LaplacianKind, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
 
 /// Which point of one deformable 3D scan is which point of the other.
 #[derive(Parser)]
@@ -140,6 +141,6 @@ fn prepare_scan(path: &Path, preparing: &Preparing) -> Result<PreparedShape, Fai
     Ok(prepare(shape, name, &preparing.options(), &mut progress).map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
-fn write(path: &Path, contents: &str) -> Result<(), Failure> {
+fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
     std::fs::write(path, contents).map_err(|e| format!("{}: {e}", path.display()).into())
 }

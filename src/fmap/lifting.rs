@@ -19,8 +19,14 @@ const STRETCH: f64 = 3.0;
 ///
 /// Around each point used the map is a rigid motion, fitted to the matches of its neighbours; an uploaded point goes where the motions of the points used
 /// near it take it, and then to the nearest uploaded point of those that belong to their images and those next to them. So fingers of a dense
-/// scan do not stick to the leg they hang beside.
-pub fn lift(matched: &Correspondence, from: &PreparedShape, to: &PreparedShape) -> Correspondence {
+/// scan do not stick to the leg they hang beside. `parts` are part labels of all uploaded points, of `from` and of `to`: a point stays in its part wherever
+/// a point of that part is near.
+pub fn lift(
+    matched: &Correspondence,
+    from: &PreparedShape,
+    to: &PreparedShape,
+    parts: Option<(&[u32], &[u32])>,
+) -> Correspondence {
     if from.support == Support::default() && to.support == Support::default() {
         return matched.clone();
     }
@@ -54,12 +60,13 @@ pub fn lift(matched: &Correspondence, from: &PreparedShape, to: &PreparedShape) 
         candidates.extend(target.near(target_of(row)));
         candidates.sort_unstable();
         candidates.dedup();
+        let elsewhere = |j: u32| parts.is_some_and(|(of_from, of_to)| of_from[i] != of_to[j as usize]);
         let nearest = candidates
             .iter()
             .flat_map(|&candidate| target.cell(candidate))
-            .map(|&j| (squared_distance(to.shape.points()[j as usize], image), j))
-            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        targets.push(nearest.map_or(to.support.uploaded(target_of(row)) as u32, |(_, j)| j));
+            .map(|&j| (elsewhere(j), squared_distance(to.shape.points()[j as usize], image), j))
+            .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        targets.push(nearest.map_or(to.support.uploaded(target_of(row)) as u32, |(.., j)| j));
         confidence.push(matched.confidence[row]);
     }
     Correspondence { target: targets, confidence }

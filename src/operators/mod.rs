@@ -56,14 +56,15 @@ pub fn surface_area(shape: &Shape, laplacian: &Laplacian) -> f64 {
     }
 }
 
-/// The Laplacian of a shape, all points counting, in the unit of its points.
+/// The Laplacian of a shape, all points counting, in the unit of its points. The faces of a mesh meet wherever their corners lie at exactly
+/// one place; of the points there, the first has the mass and the entries.
 pub fn laplacian(shape: &Shape, kind: LaplacianKind, progress: &mut Progress) -> Result<Laplacian, OperatorError> {
     if kind == LaplacianKind::Cotangent {
         progress.at(Stage::Laplacian, 0.0)?;
         if shape.faces().is_empty() {
             return Err(OperatorError::NeedsFaces);
         }
-        return Ok(cotangent_laplacian(shape.points(), shape.faces()));
+        return Ok(cotangent_laplacian(shape.points(), &shape.welded_faces()));
     }
     progress.at(Stage::Graph, 0.0)?;
     let params = GaussianParams::default();

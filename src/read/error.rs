@@ -43,13 +43,15 @@ pub enum ReadError {
     #[error("the file is empty")]
     Empty,
     /// Neither the bytes nor the name say what this is.
-    #[error("this is not a scan in a known format (OFF, PLY, OBJ, GLB or glTF); it begins with “{begins}”")]
+    #[error(
+        "this is not a scan in a known format (OBJ, PLY, OFF, STL, GLB, glTF, XYZ, PTS or CSV); it begins with “{begins}”"
+    )]
     UnknownFormat {
         /// The first bytes, as text.
         begins: String,
     },
     /// A format was asked for by a name that is none.
-    #[error("“{given}” is not a format; known are off, ply, obj, glb and gltf")]
+    #[error("“{given}” is not a format; known are off, ply, obj, stl, glb, gltf, xyz, pts and csv")]
     UnknownFormatName {
         /// The name, shortened.
         given: String,
@@ -73,6 +75,20 @@ pub enum ReadError {
         what: String,
         /// Count announced.
         promised: u64,
+        /// Count that is there in full.
+        found: u64,
+        /// Where the file ends.
+        at: Place,
+    },
+    /// A file without counts that ends before it is complete.
+    #[error("{format}, {at}: the file ends after {what} without {missing}; it may be cut off")]
+    Unfinished {
+        /// Format.
+        format: &'static str,
+        /// What is there in full, with its noun: `"12 facets"`.
+        what: String,
+        /// What a whole file would end with.
+        missing: &'static str,
         /// Count that is there in full.
         found: u64,
         /// Where the file ends.
@@ -170,7 +186,7 @@ impl ReadError {
             Self::UnknownFormat { .. } => "unknown-format",
             Self::UnknownFormatName { .. } => "unknown-format-name",
             Self::Malformed { .. } => "malformed-file",
-            Self::Truncated { .. } => "truncated-file",
+            Self::Truncated { .. } | Self::Unfinished { .. } => "truncated-file",
             Self::ShortLine { .. } => "short-line",
             Self::BadNumber { .. } => "bad-number",
             Self::MissingElement { .. } => "missing-element",
@@ -191,6 +207,9 @@ impl ReadError {
             Self::Malformed { format, problem, at } => (json!({ "format": format, "problem": problem }), Some(at)),
             Self::Truncated { format, what, promised, found, at } => {
                 (json!({ "format": format, "what": what, "promised": promised, "found": found }), Some(at))
+            }
+            Self::Unfinished { format, missing, found, at, .. } => {
+                (json!({ "format": format, "missing": missing, "found": found }), Some(at))
             }
             Self::ShortLine { format, what, needed, found, at } => {
                 (json!({ "format": format, "what": what, "needed": needed, "found": found }), Some(at))

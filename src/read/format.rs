@@ -1,9 +1,10 @@
-//! Which format bytes are in: what they start with, else what their name ends with.
+//! Which format bytes are in: what they announce, else what their name ends with, else what they look like.
 
 use std::str::FromStr;
 
 use super::error::ReadError;
 use super::text::{Lines, number};
+use super::{stl, table};
 
 /// File formats that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,10 +15,18 @@ pub enum Format {
     Ply,
     /// Wavefront OBJ, text.
     Obj,
+    /// STL, text or binary.
+    Stl,
     /// Binary glTF 2.0.
     Glb,
     /// glTF 2.0 as JSON with its buffers inside, as `data:` URIs.
     Gltf,
+    /// Points as a table of text; the usual name for one without a header.
+    Xyz,
+    /// The same behind a count, as laser scanners write it.
+    Pts,
+    /// The same with a header and separators.
+    Csv,
 }
 
 /// The words an OBJ line may start with.
@@ -29,16 +38,30 @@ const OBJ_LINES: usize = 50;
 
 impl Format {
     /// All of them, in the order they are named to people.
-    pub const ALL: [Format; 5] = [Format::Off, Format::Ply, Format::Obj, Format::Glb, Format::Gltf];
+    pub const ALL: [Format; 9] = [
+        Format::Off,
+        Format::Ply,
+        Format::Obj,
+        Format::Stl,
+        Format::Glb,
+        Format::Gltf,
+        Format::Xyz,
+        Format::Pts,
+        Format::Csv,
+    ];
 
-    /// The usual extension, which is also the name [`FromStr`] takes: `"off"`, `"ply"`, `"obj"`, `"glb"`, `"gltf"`.
+    /// The usual extension, which is also the name [`FromStr`] takes: `"off"`, `"ply"`, `"obj"`, …
     pub fn extension(self) -> &'static str {
         match self {
             Format::Off => "off",
             Format::Ply => "ply",
             Format::Obj => "obj",
+            Format::Stl => "stl",
             Format::Glb => "glb",
             Format::Gltf => "gltf",
+            Format::Xyz => "xyz",
+            Format::Pts => "pts",
+            Format::Csv => "csv",
         }
     }
 
@@ -54,6 +77,9 @@ impl Format {
         }
         if bytes.starts_with(b"ply") && bytes.get(3).is_some_and(u8::is_ascii_whitespace) {
             return Some(Format::Ply);
+        }
+        if stl::announced_by(bytes) {
+            return Some(Format::Stl);
         }
         if bytes.iter().find(|b| !b.is_ascii_whitespace()) == Some(&b'{') {
             return Some(Format::Gltf);
@@ -73,6 +99,11 @@ impl Format {
             vertex |= keyword == b"mtllib" || keyword == b"v" && words.next().and_then(number).is_some();
         }
         vertex.then_some(Format::Obj)
+    }
+
+    /// The format these bytes may be in although they do not say so.
+    pub(super) fn like(bytes: &[u8]) -> Option<Format> {
+        table::looks_like_one(bytes).then_some(Format::Xyz)
     }
 }
 

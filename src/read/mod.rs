@@ -10,6 +10,8 @@ mod obj;
 mod off;
 mod ply;
 mod polygons;
+mod stl;
+mod table;
 mod text;
 
 pub use error::ReadError;
@@ -33,21 +35,26 @@ pub(crate) fn faces_as_written(off: &[u8]) -> Result<Vec<[u32; 3]>, ReadError> {
     Ok(off::read(off)?.faces)
 }
 
-/// Reads a scan. The format is `format` if given, else found from the bytes, else from the extension of `name`.
+/// Reads a scan. The format is `format` if given, else the one the bytes announce, else that of `name`'s extension, else what the bytes look like.
 pub fn read(bytes: &[u8], name: Option<&str>, format: Option<Format>) -> Result<Shape, Error> {
     if bytes.is_empty() {
         return Err(ReadError::Empty.into());
     }
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes); // a byte order mark says nothing a reader needs
-    let format = match format.or_else(|| Format::of_bytes(bytes)).or_else(|| name.and_then(Format::of_name)) {
-        Some(format) => format,
-        None => return Err(ReadError::unknown_format(bytes).into()),
-    };
+    let format = format
+        .or_else(|| Format::of_bytes(bytes))
+        .or_else(|| name.and_then(Format::of_name))
+        .or_else(|| Format::like(bytes))
+        .ok_or_else(|| ReadError::unknown_format(bytes))?;
     let Draft { points, faces, labels, repairs } = match format {
         Format::Off => off::read(bytes)?,
         Format::Ply => ply::read(bytes)?,
         Format::Obj => obj::read(bytes)?,
+        Format::Stl => stl::read(bytes)?,
         Format::Glb | Format::Gltf => gltf::read(bytes)?,
+        Format::Xyz => table::read(bytes, "XYZ")?,
+        Format::Pts => table::read(bytes, "PTS")?,
+        Format::Csv => table::read(bytes, "CSV")?,
     };
     Ok(Shape::with_repairs(points, faces, labels, repairs)?)
 }

@@ -1,8 +1,12 @@
 //! What is in a scan and is no part of the body: floating bits of surface, stray points.
 
-use super::{Shape, nearest_samples};
+use std::collections::BTreeSet;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+use super::Shape;
 use crate::graph::{components, nearest_neighbours};
-use crate::vector::{cross, minus, norm, squared_distance};
+use crate::vector::{cross, minus, norm};
 
 /// A piece with less than this share of the surface (of a cloud: of the points) is a crumb.
 const CRUMB: f64 = 0.01;
@@ -10,6 +14,8 @@ const CRUMB: f64 = 0.01;
 const AROUND: usize = 8;
 /// Two points of a cloud hang together up to this many times the distance to which the one of them in the denser place has its neighbours.
 const GAP: f64 = 3.0;
+/// A point whose neighbours are this many times farther away than those of the median point is a stray.
+const SPARSE: f64 = 4.0;
 /// A crumb this far (in lengths of the body's box) from the body is unmatched; a nearer one, like an eye or a nail, goes with the body.
 const FAR: f64 = 0.02;
 
@@ -30,30 +36,38 @@ pub struct Crumbs {
 /// Every piece of a scan has an eigenvalue of zero and takes one of the k eigenfunctions, so sixty crumbs leave half a basis; and a stray far from the
 /// body is the first that an even sampling picks.
 pub fn set_crumbs_aside(shape: &Shape, surface: &[u32]) -> Crumbs {
-    let (piece, weight) = if shape.faces().is_empty() { pieces_of_cloud(shape) } else { pieces_of_mesh(shape) };
-    let total: f64 = weight.iter().sum();
-    let is_crumb = |i: &u32| weight[piece[*i as usize] as usize] < CRUMB * total;
-    let (crumbs, body): (Vec<u32>, Vec<u32>) = surface.iter().copied().partition(is_crumb);
-    let mut found: Vec<u32> = crumbs.iter().map(|&i| piece[i as usize]).collect();
-    found.sort_unstable();
-    found.dedup();
-    let reach = FAR * longest_side(shape, &body);
-    let on_crumbs: Vec<[f64; 3]> = crumbs.iter().map(|&i| shape.points()[i as usize]).collect();
-    let far = if crumbs.is_empty() || body.is_empty() {
-        Vec::new()
-    } else {
-        let bodily: Vec<[f64; 3]> = body.iter().map(|&i| shape.points()[i as usize]).collect();
-        let rows: Vec<u32> = (0..bodily.len() as u32).collect();
-        let both = [&bodily[..], &on_crumbs[..]].concat();
-        let nearest = nearest_samples(&both, &rows);
-        let distance = |c: usize| squared_distance(on_crumbs[c], bodily[nearest[bodily.len() + c] as usize]).sqrt();
-        (0..crumbs.len()).filter(|&c| distance(c) > reach).map(|c| crumbs[c]).collect()
+    let (piece, weight) = match shape.faces().is_empty() {
+        true => pieces_of_cloud(&at(shape, surface)),
+        false => pieces_of_mesh(shape, surface),
     };
-    Crumbs { body, crumbs, far, pieces: found.len() }
+    let total: f64 = weight.iter().sum();
+    let (mut body, mut crumbs, mut pieces) = (Vec::new(), Vec::new(), BTreeSet::new());
+    for (&i, piece) in surface.iter().zip(piece) {
+        if weight[piece as usize] < CRUMB * total {
+            crumbs.push(i);
+            pieces.insert(piece);
+        } else {
+            body.push(i);
+        }
+    }
+    let far = if crumbs.is_empty() { Vec::new() } else { far_from(&at(shape, &body), &at(shape, &crumbs), &crumbs) };
+    Crumbs { body, crumbs, far, pieces: pieces.len() }
 }
 
-/// Connected pieces over the faces, and the area of each.
-fn pieces_of_mesh(shape: &Shape) -> (Vec<u32>, Vec<f64>) {
+fn at(shape: &Shape, points: &[u32]) -> Vec<[f64; 3]> {
+    points.iter().map(|&i| shape.points()[i as usize]).collect()
+}
+
+/// Those of `names` whose places in `crumbs` are far from all of `body`.
+fn far_from(body: &[[f64; 3]], crumbs: &[[f64; 3]], names: &[u32]) -> Vec<u32> {
+    let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(body) else { return Vec::new() };
+    let reach = FAR * longest_side(body);
+    let squared = |p: &[f64; 3]| tree.query(p).nearest_one::<SquaredEuclidean<f64>>().execute().distance;
+    crumbs.iter().zip(names).filter(|(p, _)| squared(p) > reach * reach).map(|(_, &name)| name).collect()
+}
+
+/// For each of `surface` its connected piece over the faces, and the area of each piece.
+fn pieces_of_mesh(shape: &Shape, surface: &[u32]) -> (Vec<u32>, Vec<f64>) {
     let edges = shape.faces().iter().flat_map(|&[a, b, c]| [(a, b), (b, c)]);
     let (piece, count) = components(shape.points().len(), edges);
     let mut area = vec![0.0; count];
@@ -61,33 +75,38 @@ fn pieces_of_mesh(shape: &Shape) -> (Vec<u32>, Vec<f64>) {
         let [a, b, c] = face.map(|i| shape.points()[i as usize]);
         area[piece[face[0] as usize] as usize] += norm(cross(minus(b, a), minus(c, a)));
     }
-    (piece, area)
+    (surface.iter().map(|&i| piece[i as usize]).collect(), area)
 }
 
-/// Pieces that hang together at their own density, and the points in each.
-fn pieces_of_cloud(shape: &Shape) -> (Vec<u32>, Vec<f64>) {
-    let neighbours = nearest_neighbours(shape.points(), AROUND);
-    let mut reach: Vec<f64> =
+/// For each point its piece, of those that hang together at their own density, and the points in each piece.
+fn pieces_of_cloud(points: &[[f64; 3]]) -> (Vec<u32>, Vec<f64>) {
+    let neighbours = nearest_neighbours(points, AROUND);
+    let reach: Vec<f64> =
         (0..neighbours.len()).map(|i| neighbours.distances(i).last().copied().unwrap_or(0.0)).collect();
-    // Many copies of one point would have no reach at all.
     let mut sorted = reach.clone();
     sorted.sort_by(f64::total_cmp);
-    let floor = 0.5 * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-    reach.iter_mut().for_each(|r| *r = r.max(floor));
+    let limit = SPARSE * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    // A tenth of the points is no dirt but a part that was scanned more coarsely.
+    let sparse = reach.iter().filter(|&&r| r > limit).count();
+    let limit = if sparse * 10 < reach.len() { limit } else { f64::INFINITY };
     let edges = (0..neighbours.len()).flat_map(|i| {
         let reach = &reach;
         let near = neighbours.of(i).iter().zip(neighbours.distances(i));
-        near.filter(move |&(&j, &d)| d <= GAP * reach[i].min(reach[j as usize])).map(move |(&j, _)| (i as u32, j))
+        let hang_together = move |j: u32, d: f64| {
+            let (denser, sparser) = (reach[i].min(reach[j as usize]), reach[i].max(reach[j as usize]));
+            sparser <= limit && d <= GAP * denser
+        };
+        near.filter(move |&(&j, &d)| hang_together(j, d)).map(move |(&j, _)| (i as u32, j))
     });
-    let (piece, count) = components(shape.points().len(), edges);
-    let mut points = vec![0.0; count];
-    piece.iter().for_each(|&p| points[p as usize] += 1.0);
-    (piece, points)
+    let (piece, count) = components(points.len(), edges);
+    let mut sizes = vec![0.0; count];
+    piece.iter().for_each(|&p| sizes[p as usize] += 1.0);
+    (piece, sizes)
 }
 
-fn longest_side(shape: &Shape, points: &[u32]) -> f64 {
+fn longest_side(points: &[[f64; 3]]) -> f64 {
     let side = |c: usize| {
-        let along = points.iter().map(|&i| shape.points()[i as usize][c]);
+        let along = points.iter().map(|p| p[c]);
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         high - low
     };

@@ -8,6 +8,7 @@ mod sample;
 mod simplify;
 mod spread;
 mod support;
+mod weld;
 
 use crate::vector::{cross, minus, norm};
 
@@ -19,6 +20,8 @@ pub use simplify::{Simplified, cells, simplify};
 pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;
+
+use weld::{first_at_place, weld};
 
 /// Fewest points a shape may have (below it no spectrum worth the name exists).
 pub const MIN_POINTS: usize = 50;
@@ -45,7 +48,8 @@ pub struct Shape {
 impl Shape {
     /// Validates and, where that is safe, repairs. `faces` may be empty (a cloud); `labels`, if given, has one entry per point.
     ///
-    /// Faces that carry no area are dropped; everything else that is odd is kept and reported in [`Shape::repairs`].
+    /// Faces that name a point twice are dropped, and pieces without any area; everything else that is odd is kept. Both are reported in
+    /// [`Shape::repairs`].
     pub fn new(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, labels: Option<Vec<u32>>) -> Result<Self, ShapeError> {
         Self::with_repairs(points, faces, labels, Vec::new())
     }
@@ -81,16 +85,24 @@ impl Shape {
         }
         repairs.extend(spread::check(&points)?);
         faces::check_indices(&faces, points.len())?;
-        faces::drop_degenerate(&points, &mut faces, &mut repairs);
-        let duplicates = duplicates(&points);
-        repairs.extend(Repair::counted("duplicate-points", duplicates, || {
+        let first = first_at_place(&points);
+        let soup = faces::share_no_corner(&faces, points.len());
+        faces::drop_degenerate(&points, &first, &mut faces, &mut repairs);
+        let duplicates = first.iter().enumerate().filter(|&(i, &first)| i != first as usize).count();
+        repairs.extend(Repair::counted(if soup { "corners-joined" } else { "duplicate-points" }, duplicates, || {
+            if soup {
+                return format!(
+                    "{duplicates} of the {} corners of loose triangles lie exactly where another one is; the triangles there \
+                     taken as joined, and every corner kept",
+                    points.len()
+                );
+            }
             let met = if faces.is_empty() { "kept as they are" } else { "kept, and the faces there taken as joined" };
             format!("{} exactly where another one is; {met}", counted(duplicates, "point lies", "points lie"))
         }));
-        let shape = Self { points, faces, labels, repairs: Vec::new() };
-        faces::notice_bare_points(shape.points.len(), &shape.faces, &mut repairs);
-        faces::notice_topology(shape.points.len(), shape.welded().faces(), &mut repairs);
-        Ok(Self { repairs, ..shape })
+        faces::notice_bare_points(points.len(), &faces, &mut repairs);
+        faces::notice_topology(points.len(), &weld(&faces, &first), &mut repairs);
+        Ok(Self { points, faces, labels, repairs })
     }
 
     /// Positions (n, 3) in the unit of the upload.
@@ -118,19 +130,20 @@ impl Shape {
         Self::already_valid(samples.iter().map(|&i| self.points[i as usize]).collect(), faces, None)
     }
 
+    /// For each point (n) the first one at exactly its place.
+    pub(crate) fn first_at_place(&self) -> Vec<u32> {
+        first_at_place(&self.points)
+    }
+
     /// The same surface with faces that meet wherever their corners lie at exactly one place, as the split vertices at the seams of textured
     /// meshes and of triangle soup do: every corner becomes the first point at its place. Points stay as they are.
     pub(crate) fn welded(&self) -> Self {
-        let mut order: Vec<u32> = (0..self.points.len() as u32).collect();
-        let key = |i: u32| self.points[i as usize].map(|c| (c + 0.0).to_bits());
-        order.sort_unstable_by_key(|&i| (key(i), i));
-        let mut first = vec![0; self.points.len()];
-        for place in order.chunk_by(|&i, &j| key(i) == key(j)) {
-            place.iter().for_each(|&i| first[i as usize] = place[0]);
-        }
-        let mut faces: Vec<[u32; 3]> = self.faces.iter().map(|face| face.map(|i| first[i as usize])).collect();
-        faces.retain(|[a, b, c]| a != b && b != c && c != a);
-        Self { faces, ..self.clone() }
+        Self { faces: self.welded_faces(), ..self.clone() }
+    }
+
+    /// The faces of [`Shape::welded`].
+    pub(crate) fn welded_faces(&self) -> Vec<[u32; 3]> {
+        weld(&self.faces, &self.first_at_place())
     }
 
     /// From tables that came out of a valid shape.
@@ -151,11 +164,4 @@ impl Shape {
         self.faces.clear();
         self
     }
-}
-
-/// Points whose position an earlier point already has, exactly (−0 equals 0).
-fn duplicates(points: &[[f64; 3]]) -> usize {
-    let mut keys: Vec<[u64; 3]> = points.iter().map(|p| p.map(|c| (c + 0.0).to_bits())).collect();
-    keys.sort_unstable();
-    keys.windows(2).filter(|pair| pair[0] == pair[1]).count()
 }

@@ -1,4 +1,5 @@
 //! A small torus, and the same torus written in every format.
+#![allow(dead_code, reason = "each test file uses its own part of these")]
 
 use geose_fmap::{Error, Shape, read};
 use serde_json::{Value, json};
@@ -137,7 +138,67 @@ pub fn glb(document: &Value, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// One valid file of every format and variant, with a name.
+/// The triangles of a scan with three points of their own each, as an STL gives them back.
+pub fn soup(Sample { points, faces }: &Sample) -> Sample {
+    Sample {
+        points: faces.iter().flatten().map(|&i| points[i as usize]).collect(),
+        faces: (0..faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    }
+}
+
+pub fn stl_text(Sample { points, faces }: &Sample) -> String {
+    let mut text = String::from("solid made by a test\n");
+    for face in faces {
+        text += "  facet normal 0 0 0\n    outer loop\n";
+        for [x, y, z] in face.map(|i| points[i as usize]) {
+            text += &format!("      vertex {x} {y} {z}\n");
+        }
+        text += "    endloop\n  endfacet\n";
+    }
+    text + "endsolid made by a test\n"
+}
+
+/// With a header that begins like a text STL, as several programs write it.
+pub fn stl_binary(Sample { points, faces }: &Sample) -> Vec<u8> {
+    let mut bytes = format!("{:<80}", "solid but binary").into_bytes();
+    bytes.extend((faces.len() as u32).to_le_bytes());
+    for face in faces {
+        bytes.extend([0; 12]);
+        face.iter().flat_map(|&i| points[i as usize]).for_each(|c| bytes.extend((c as f32).to_le_bytes()));
+        bytes.extend([7, 0]);
+    }
+    bytes
+}
+
+pub fn xyz(Sample { points, .. }: &Sample) -> String {
+    points.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect()
+}
+
+pub fn pts(sample: &Sample) -> String {
+    format!("{}\n{}", sample.points.len(), xyz(sample))
+}
+
+pub fn csv(Sample { points, .. }: &Sample) -> String {
+    let rows: String = points.iter().map(|[x, y, z]| format!("{x},{y},{z}\n")).collect();
+    format!("x,y,z\n{rows}")
+}
+
+/// One valid file of every format and variant, with a name, and what must be read of it.
+pub fn all_files() -> Vec<(&'static str, Vec<u8>, Sample)> {
+    let torus = torus();
+    let cloud = Sample { faces: vec![], ..torus.clone() };
+    let mut files: Vec<_> = all_formats().into_iter().map(|(name, bytes)| (name, bytes, torus.clone())).collect();
+    files.extend([
+        ("text.stl", stl_text(&torus).into_bytes(), soup(&torus)),
+        ("binary.stl", stl_binary(&torus), soup(&torus)),
+        ("a.xyz", xyz(&torus).into_bytes(), cloud.clone()),
+        ("a.pts", pts(&torus).into_bytes(), cloud.clone()),
+        ("a.csv", csv(&torus).into_bytes(), cloud),
+    ]);
+    files
+}
+
+/// One valid file of every format and variant that keeps points and faces as they are, with a name.
 pub fn all_formats() -> Vec<(&'static str, Vec<u8>)> {
     let torus = torus();
     let mut embedded = gltf_document(&torus);

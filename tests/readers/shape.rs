@@ -84,20 +84,51 @@ fn a_face_that_names_a_missing_point_is_refused() {
 }
 
 #[test]
-fn faces_without_area_are_left_out_and_counted() {
+fn faces_without_area_stay_where_they_close_a_surface_and_are_counted() {
     let shape = changed(|s| {
         s.faces.extend([[1, 1, 2], [3, 4, 3], [5, 5, 5]]);
-        s.points.extend([[0.0, 0.0, 0.0], [0.1, 0.1, 0.1], [0.3, 0.3, 0.3], [0.1, 0.1, 0.1]]);
-        s.faces.extend([[64, 65, 66], [0, 65, 67]]); // on a line, up to rounding; two corners in one place
+        s.points.push(s.points[8]);
+        s.faces.push([0, 8, 64]); // two corners in one place
     })
     .unwrap();
-    assert_eq!(shape.faces(), torus().faces);
-    assert_eq!((repaired(&shape, "repeated-index-faces"), repaired(&shape, "zero-area-faces")), (3, 2));
+    assert_eq!(shape.faces()[..128], torus().faces);
+    assert_eq!(shape.faces()[128..], [[0, 8, 64]]);
+    assert_eq!((repaired(&shape, "repeated-index-faces"), repaired(&shape, "zero-area-faces")), (3, 1));
+    assert_eq!(repaired(&shape, "non-manifold-edges"), 0, "it has met its copy");
     let sliver = changed(|s| {
         s.points.extend([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-9, 0.0]]);
         s.faces.push([64, 65, 66]);
     });
     assert_eq!(sliver.unwrap().faces().len(), 129, "a sliver has an area");
+}
+
+#[test]
+fn faces_without_area_that_are_joined_to_no_surface_are_left_out() {
+    let shape = changed(|s| {
+        s.points.extend([[0.0, 0.0, 0.0], [0.1, 0.1, 0.1], [0.3, 0.3, 0.3], [0.1, 0.1, 0.1]]);
+        s.faces.extend([[64, 65, 66], [66, 65, 67]]); // on a line, up to rounding; two corners in one place
+    })
+    .unwrap();
+    assert_eq!(shape.faces(), torus().faces);
+    assert_eq!((repaired(&shape, "zero-area-pieces"), repaired(&shape, "zero-area-faces")), (2, 0));
+    let line = changed(|s| {
+        s.points.extend([[0.0, 0.0, 0.0], [0.1, 0.1, 0.1], [0.3, 0.3, 0.3]]);
+        s.faces = vec![[64, 65, 66]];
+    })
+    .unwrap();
+    assert_eq!((line.faces().len(), repaired(&line, "no-faces-left")), (0, 1));
+}
+
+#[test]
+fn corners_of_triangle_soup_stay_apart_and_are_taken_as_joined() {
+    let soup = changed(|s| {
+        s.points = s.faces.iter().flatten().map(|&i| s.points[i as usize]).collect();
+        s.faces = (0..128).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    })
+    .unwrap();
+    assert_eq!((soup.points().len(), soup.faces().len()), (384, 128));
+    assert_eq!(repaired(&soup, "corners-joined"), 384 - 64);
+    assert_eq!(soup.repairs().len(), 1, "one piece, every edge with two faces");
 }
 
 #[test]

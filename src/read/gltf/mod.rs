@@ -19,9 +19,11 @@ use placement::Placement;
 
 const GLTF: &str = "glTF";
 
-/// Most points and most faces read: a few kilobytes of instances can name the same data a million times. Ten times the largest
-/// scan this is meant for.
-const LIMIT: usize = 20_000_000;
+/// Most points and most faces read of a file of so many bytes: a few kilobytes of instances can name the same data a million times.
+/// Stored once, a point takes at least three bytes and a triangle two.
+fn limit(bytes: usize) -> usize {
+    250_000 + bytes / 2
+}
 
 /// Reads the POSITION and indices of every mesh in every scene, in the order of a walk through the nodes, each placed by its
 /// node. Points that a file splits at seams stay split.
@@ -30,8 +32,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     let document::Geometry { document, compression, repairs } = document::parse(json)?;
     let buffers = Buffers::of(&document, blob, compression);
     let mut draft = Draft { repairs, ..Draft::default() };
+    let limit = limit(bytes.len());
     for (mesh, placement) in placement::placed_meshes(&document)? {
-        append(&mesh, &placement, &buffers, &mut draft)?;
+        append(&mesh, &placement, &buffers, limit, &mut draft)?;
     }
     if draft.points.is_empty() {
         return Err(ReadError::MissingElement {
@@ -42,8 +45,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     Ok(draft)
 }
 
-/// The points and triangles of one placed mesh. Primitives that share their points (one surface, several materials) add them once.
-fn append(mesh: &Mesh, placement: &Placement, buffers: &Buffers, draft: &mut Draft) -> Result<(), ReadError> {
+/// The points and triangles of one placed mesh, while there are at most `limit`. Primitives that share their points (one surface, several
+/// materials) add them once.
+fn append(
+    mesh: &Mesh,
+    placement: &Placement,
+    buffers: &Buffers,
+    limit: usize,
+    draft: &mut Draft,
+) -> Result<(), ReadError> {
     let mut added: Vec<(usize, usize)> = Vec::new();
     for primitive in mesh.primitives() {
         let Some(positions) = primitive.get(&Semantic::Positions) else { continue };
@@ -53,8 +63,8 @@ fn append(mesh: &Mesh, placement: &Placement, buffers: &Buffers, draft: &mut Dra
             Some(&(_, base)) => base,
             None => {
                 let base = draft.points.len();
-                if count > LIMIT - base {
-                    return Err(ReadError::TooLarge { format: GLTF, what: "points", limit: LIMIT });
+                if count > limit - base {
+                    return Err(ReadError::TooLarge { format: GLTF, what: "points", limit });
                 }
                 let points = accessor::positions(positions.clone(), buffers)?;
                 draft.points.extend(points.into_iter().map(|p| placement.apply(p)));
@@ -63,7 +73,7 @@ fn append(mesh: &Mesh, placement: &Placement, buffers: &Buffers, draft: &mut Dra
             }
         };
         let at = || Place::Object(format!("meshes[{}].primitives[{}]", mesh.index(), primitive.index()));
-        for mut face in triangles(&primitive, count, buffers, LIMIT - draft.faces.len(), at)? {
+        for mut face in triangles(&primitive, count, buffers, (limit, limit - draft.faces.len()), at)? {
             if let Some(&index) = face.iter().find(|&&i| i as usize >= count) {
                 let index = i64::from(index);
                 let face = draft.faces.len();
@@ -78,12 +88,12 @@ fn append(mesh: &Mesh, placement: &Placement, buffers: &Buffers, draft: &mut Dra
     Ok(())
 }
 
-/// The triangles of a primitive, in indices of its own points; none for points and lines. At most `room` of them.
+/// The triangles of a primitive, in indices of its own points; none for points and lines. At most `room` of the `limit` of them.
 fn triangles(
     primitive: &Primitive,
     points: usize,
     buffers: &Buffers,
-    room: usize,
+    (limit, room): (usize, usize),
     at: impl Fn() -> Place,
 ) -> Result<Vec<[u32; 3]>, ReadError> {
     let mode = primitive.mode();
@@ -93,7 +103,7 @@ fn triangles(
     let length = primitive.indices().map_or(points, |accessor| accessor.count());
     let count = if mode == Mode::Triangles { length / 3 } else { length.saturating_sub(2) };
     if count > room {
-        return Err(ReadError::TooLarge { format: GLTF, what: "faces", limit: LIMIT });
+        return Err(ReadError::TooLarge { format: GLTF, what: "faces", limit });
     }
     let corners: Vec<u32> = match primitive.indices() {
         Some(accessor) => accessor::indices(accessor, buffers)?,

@@ -1,0 +1,142 @@
+//! A map as a file: CSV, JSON, or the bodies in colours that correspond.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::{Failure, write};
+use crate::colour::{LinearRgb, correspondence_colours};
+use crate::write::{glb, ply};
+use crate::{Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED};
+
+/// Where a map goes, and as what.
+#[derive(Clone, Debug)]
+pub(super) struct MapFile {
+    path: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Csv,
+    Json,
+    Ply,
+    Glb,
+}
+
+/// A match with what it was made from.
+pub(super) struct Outcome<'a> {
+    pub a: &'a PreparedShape,
+    pub b: &'a PreparedShape,
+    pub preparing: &'a PrepareOptions,
+    pub options: &'a MatchOptions,
+    pub matched: &'a Match,
+}
+
+impl MapFile {
+    /// The kind is that of the path's extension.
+    pub(super) fn parse(path: &str) -> Result<Self, String> {
+        let path = PathBuf::from(path);
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let kind = match extension.as_str() {
+            "csv" => Kind::Csv,
+            "json" => Kind::Json,
+            "ply" => Kind::Ply,
+            "glb" => Kind::Glb,
+            _ => return Err("a map is written as .csv, .json, .ply or .glb; choose one of these extensions".to_owned()),
+        };
+        Ok(Self { path, kind })
+    }
+
+    /// Writes the map. Bodies are two files, of which the second has `.b` before its extension.
+    pub(super) fn write(&self, outcome: &Outcome) -> Result<(), Failure> {
+        match self.kind {
+            Kind::Csv => write(&self.path, csv(outcome.matched)?),
+            Kind::Json => write(&self.path, json(outcome)?),
+            Kind::Ply => self.write_bodies(outcome, "b.ply", |body, colours| Ok(ply(body, colours))),
+            Kind::Glb => self.write_bodies(outcome, "b.glb", |body, colours| {
+                glb(body, colours).ok_or_else(|| "the scan is too large for a GLB; write PLY instead".into())
+            }),
+        }
+    }
+
+    fn write_bodies(
+        &self,
+        &Outcome { a, b, matched, .. }: &Outcome,
+        extension_of_b: &str,
+        file: impl Fn(&PreparedShape, &[LinearRgb]) -> Result<Vec<u8>, Failure>,
+    ) -> Result<(), Failure> {
+        let [on_a, on_b] = correspondence_colours(matched, b);
+        write(&self.path, file(a, &on_a)?)?;
+        write(&self.path.with_extension(extension_of_b), file(b, &on_b)?)
+    }
+}
+
+/// One line per point of A: `source,target,confidence`, the target left empty where there is none.
+fn csv(matched: &Match) -> Result<String, Failure> {
+    let mut text = String::from("source,target,confidence\n");
+    for (source, (&target, confidence)) in matched.a_to_b.target.iter().zip(&matched.a_to_b.confidence).enumerate() {
+        match target {
+            UNMATCHED => writeln!(text, "{source},,0")?,
+            target => writeln!(text, "{source},{target},{confidence}")?,
+        }
+    }
+    Ok(text)
+}
+
+/// The fields of the page's JSON export (`www/src/exports/map-table.ts`); `target` is null where there is none.
+#[derive(Serialize)]
+struct Document<'a> {
+    a: Scan<'a>,
+    b: Scan<'a>,
+    #[serde(rename = "match")]
+    how: How<'a>,
+    map: Vec<Line>,
+}
+
+#[derive(Serialize)]
+struct Scan<'a> {
+    name: Option<&'a str>,
+    points: usize,
+    kind: ShapeKind,
+    prepared: &'a PrepareOptions,
+}
+
+impl<'a> Scan<'a> {
+    fn of(PreparedShape { info, .. }: &'a PreparedShape, prepared: &'a PrepareOptions) -> Self {
+        Self { name: info.name.as_deref(), points: info.points, kind: info.kind, prepared }
+    }
+}
+
+#[derive(Serialize)]
+struct How<'a> {
+    #[serde(flatten)]
+    options: &'a MatchOptions,
+    device: &'a str,
+    weights: Option<()>,
+    warnings: &'a [String],
+}
+
+#[derive(Serialize)]
+struct Line {
+    source: usize,
+    target: Option<u32>,
+    confidence: f32,
+}
+
+fn json(Outcome { a, b, preparing, options, matched }: &Outcome) -> Result<Vec<u8>, Failure> {
+    let pairs = matched.a_to_b.target.iter().zip(&matched.a_to_b.confidence);
+    let line = |(source, (&target, &confidence)): (usize, (&u32, &f32))| Line {
+        source,
+        target: Some(target).filter(|&target| target != UNMATCHED),
+        confidence,
+    };
+    let document = Document {
+        a: Scan::of(a, preparing),
+        b: Scan::of(b, preparing),
+        how: How { options, device: "cpu", weights: None, warnings: &matched.warnings },
+        map: pairs.enumerate().map(line).collect(),
+    };
+    Ok(serde_json::to_vec(&document)?)
+}

@@ -1,0 +1,243 @@
+//! Nothing a file can hold makes a reader panic, hang, or take memory that the file does not account for: valid files of every format,
+//! broken 2000 times each, always in the same ways.
+#![cfg(not(target_arch = "wasm32"))]
+#![allow(unsafe_code, reason = "memory is counted by an allocator, which is an unsafe trait")]
+
+#[path = "readers/sample.rs"]
+mod sample;
+mod shapes;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::panic::catch_unwind;
+use std::time::{Duration, Instant};
+
+use geose_fmap::read;
+use sample::all_files;
+use shapes::Random;
+
+/// The system's allocator, with a tally of what the thread holds.
+struct Counting;
+
+thread_local! {
+    static HELD: Cell<isize> = const { Cell::new(0) };
+    static PEAK: Cell<isize> = const { Cell::new(0) };
+}
+
+/// Ignores threads that are going away.
+fn tally(change: isize) {
+    let _ = HELD.try_with(|held| {
+        held.set(held.get() + change);
+        let _ = PEAK.try_with(|peak| peak.set(peak.get().max(held.get())));
+    });
+}
+
+// SAFETY: every call goes on to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        tally(layout.size() as isize);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        tally(-(layout.size() as isize));
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// The most that `work` held at one time beyond what was held before, in bytes.
+fn peak_of<T>(work: impl FnOnce() -> T) -> (T, usize) {
+    let before = HELD.get();
+    PEAK.set(before);
+    let result = work();
+    (result, (PEAK.get() - before) as usize)
+}
+
+/// What reading a file of so many bytes may hold at one time.
+fn allowed(bytes: usize) -> usize {
+    (64 << 20) + 64 * bytes
+}
+
+/// What was seen of all files of a format.
+#[derive(Default)]
+struct Seen {
+    read: usize,
+    refused: usize,
+    most: usize,
+    longest: Duration,
+}
+
+/// Reads, and insists on a shape or an error with a code and a sentence, soon and without much memory.
+fn survives(name: &str, what: &str, bytes: &[u8], seen: &mut Seen) {
+    let start = Instant::now();
+    let (result, peak) = peak_of(|| catch_unwind(|| read(bytes, Some(name), None)));
+    let took = start.elapsed();
+    let case = || {
+        format!("{name}, {what}, {} bytes: {:?}", bytes.len(), String::from_utf8_lossy(&bytes[..bytes.len().min(400)]))
+    };
+    assert!(took < Duration::from_secs(1), "{took:?} for {}", case());
+    assert!(peak <= allowed(bytes.len()), "{peak} bytes held for {}", case());
+    match result.unwrap_or_else(|_| panic!("panic at {}", case())) {
+        Ok(shape) => {
+            let points = shape.points().len();
+            assert!(shape.points().iter().flatten().all(|c| c.is_finite()), "{}", case());
+            assert!(shape.faces().iter().flatten().all(|&i| (i as usize) < points), "{}", case());
+            assert!(shape.repairs().iter().all(|r| r.count > 0 && r.message.contains(' ')), "{}", case());
+            seen.read += 1;
+        }
+        Err(error) => {
+            let sentence = error.to_string();
+            assert!(
+                sentence.contains(' ') && sentence.len() > 10 && sentence.len() < 1000,
+                "{sentence:?} for {}",
+                case()
+            );
+            assert!(!error.code().is_empty() && error.details().is_object(), "{}", case());
+            seen.refused += 1;
+        }
+    }
+    seen.most = seen.most.max(peak);
+    seen.longest = seen.longest.max(took);
+}
+
+/// Pieces that readers may stumble over.
+const PIECES: [&[u8]; 16] = [
+    b"4294967295",
+    b"-1",
+    b"9999999999999999999999",
+    b"\n",
+    b"\0",
+    b"nan",
+    b"1e400",
+    b" ",
+    b"{",
+    b"[",
+    b"list",
+    b"\"",
+    b"\\\n",
+    b",",
+    b";",
+    b"#",
+];
+
+/// One of the ways to break a file, named.
+fn broken(bytes: &[u8], random: &mut Random) -> (&'static str, Vec<u8>) {
+    let mut broken = bytes.to_vec();
+    // Half of the time near the beginning, where the counts and the structure are.
+    let place = |random: &mut Random, length: usize| match random.below(2) {
+        0 => random.below(length),
+        _ => random.below(length.min(900)),
+    };
+    let at = place(random, bytes.len());
+    let what = match random.below(6) {
+        0 => {
+            broken.truncate(at);
+            "truncated"
+        }
+        1 => {
+            for _ in 0..=random.below(8) {
+                let at = place(random, broken.len());
+                broken[at] = random.below(256) as u8;
+            }
+            "bytes changed"
+        }
+        2 => {
+            broken[at] ^= 1 << random.below(8);
+            "a bit flipped"
+        }
+        3 => {
+            let end = (at + 1 + random.below(600)).min(bytes.len());
+            let block = &bytes[at..end];
+            let to = place(random, bytes.len());
+            let times = 1 + random.below(20);
+            broken.splice(to..to, block.repeat(times));
+            "a block repeated"
+        }
+        4 => {
+            // Most of all where there are digits already: a count becomes a larger one.
+            let digit = (at..bytes.len()).find(|&i| bytes[i].is_ascii_digit()).unwrap_or(at);
+            let digits: Vec<u8> = (0..=random.below(20)).map(|_| b'0' + random.below(10) as u8).collect();
+            broken.splice(digit..digit, digits);
+            "digits inserted"
+        }
+        _ => {
+            let end = (at + random.below(6)).min(bytes.len());
+            broken.splice(at..end, PIECES[random.below(PIECES.len())].iter().copied());
+            "a piece replaced"
+        }
+    };
+    (what, broken)
+}
+
+#[test]
+fn files_broken_in_two_thousand_ways_each_are_survived() {
+    for (name, bytes, _) in all_files() {
+        let mut random = Random(1);
+        let mut seen = Seen::default();
+        for _ in 0..2000 {
+            let (what, broken) = broken(&bytes, &mut random);
+            survives(name, what, &broken, &mut seen);
+        }
+        let Seen { read, refused, most, longest } = seen;
+        println!(
+            "{name} ({} bytes): {read} read, {refused} refused, at most {most} bytes held, {longest:?}",
+            bytes.len()
+        );
+        assert!(read > 0 && refused > 500, "{name}: {read} read and {refused} refused, so little was tried");
+    }
+}
+
+#[test]
+fn large_good_files_take_memory_in_proportion() {
+    let whole = shapes::torus(2.0, 0.7, 400, 200);
+    let large = sample::Sample {
+        points: whole.points.iter().map(|p| p.map(|c| f64::from(c as f32))).collect(),
+        faces: whole.faces,
+    };
+    let files = [
+        ("a.off", sample::off(&large).into_bytes()),
+        ("a.obj", sample::obj(&large).into_bytes()),
+        ("a.ply", sample::ply_binary(&large, false)),
+        ("a.glb", sample::glb(&sample::gltf_document(&large), &sample::gltf_data(&large))),
+        ("text.stl", sample::stl_text(&large).into_bytes()),
+        ("binary.stl", sample::stl_binary(&large)),
+        ("a.csv", sample::csv(&large).into_bytes()),
+    ];
+    for (name, bytes) in files {
+        let (shape, peak) = peak_of(|| read(&bytes, Some(name), None));
+        assert!(shape.is_ok_and(|s| s.points().len() >= 80_000), "{name}");
+        println!("{name}: {:.1} times its {} bytes held", peak as f64 / bytes.len() as f64, bytes.len());
+        assert!(peak <= 16 * bytes.len(), "{name}: {peak} held for {}", bytes.len());
+    }
+}
+
+#[test]
+fn small_files_that_unfold_are_refused_before_they_do() {
+    let torus = sample::torus();
+    let mut document = sample::gltf_document(&torus);
+    let nodes: Vec<_> = (0..20_000).map(|_| serde_json::json!({ "mesh": 0 })).collect();
+    document["scenes"][0]["nodes"] = (0..nodes.len()).collect();
+    document["nodes"] = nodes.into();
+    let instances = sample::glb(&document, &sample::gltf_data(&torus));
+    let (result, peak) = peak_of(|| read(&instances, None, None));
+    assert_eq!(result.expect_err("a million points").code(), "too-large");
+    assert!(peak <= allowed(instances.len()), "{peak} held for {}", instances.len());
+}
+
+#[test]
+fn every_byte_of_a_header_may_be_any_byte() {
+    for (name, bytes, _) in all_files() {
+        let mut seen = Seen::default();
+        for at in 0..bytes.len().min(150) {
+            for value in [0, b'0', b'9', b'\n', b'-', 127, 255] {
+                let mut broken = bytes.clone();
+                broken[at] = value;
+                survives(name, "one byte changed", &broken, &mut seen);
+            }
+        }
+        assert!(seen.refused > 0, "{name}");
+    }
+}
