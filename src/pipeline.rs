@@ -170,7 +170,12 @@ pub async fn match_shapes<D: Device>(
     };
     let (a_to_b, b_to_a, maps) =
         refine(device, (&side_a, &side_b), first, &rotation, parts, options.refine, progress).await?;
-    let (a_to_b, b_to_a) = (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
+    let (mut a_to_b, mut b_to_a) =
+        (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
+    for &[i, j] in &options.landmarks {
+        a_to_b.set(i, j);
+        b_to_a.set(j, i);
+    }
     progress.at(Stage::Correspondence, 1.0)?;
 
     Ok(Match {

@@ -286,6 +286,13 @@ fn landmarks_choose_among_the_maps_of_a_symmetric_shape() {
 }
 
 #[test]
+fn a_landmark_is_kept_even_where_the_rest_disagrees() {
+    let [a, b] = &*PAIR;
+    let found = matched(a, b, &MatchOptions { landmarks: vec![[100, 3000]], ..Default::default() });
+    assert_eq!((found.a_to_b.target[100], found.b_to_a.target[3000]), (3000, 100));
+}
+
+#[test]
 fn landmarks_do_not_hurt_a_pair_that_matches_anyway() {
     let [a, b] = &*PAIR;
     let without = error(&FOUND.a_to_b.target, &b.shape);

@@ -1,8 +1,8 @@
-//! `geose-fmap laplacian A -o l.mtx`
+//! `geose-fmap laplacian A -o l.mtx`: every point counts, whatever `--points` says.
 
 use std::fmt::Write as _;
 
-use super::{Failure, LaplacianKind, PathBuf, Progress, read_scan, write};
+use super::{Failure, PathBuf, Preparing, Progress, Running, read_scan, write};
 use crate::operators::{default_kind, laplacian};
 
 #[derive(clap::Args)]
@@ -12,14 +12,16 @@ pub(super) struct Arguments {
     /// Matrix Market file for L, lower triangle; the mass goes beside it, one number a line, as NAME.mass.txt.
     #[arg(short, long)]
     output: PathBuf,
-    /// geodesic, geodesic-literal, euclidean or cotangent; by default cotangent on meshes and geodesic on clouds.
-    #[arg(long)]
-    laplacian: Option<LaplacianKind>,
+    #[command(flatten)]
+    preparing: Preparing,
+    #[command(flatten)]
+    running: Running,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.running.check()?;
     let shape = read_scan(&arguments.a)?;
-    let kind = arguments.laplacian.unwrap_or_else(|| default_kind(&shape));
+    let kind = arguments.preparing.laplacian.unwrap_or_else(|| default_kind(&shape));
     let built = laplacian(&shape, kind, &mut Progress::silent())?;
     let lower = || built.matrix.iter().filter(|&(_, (i, j))| i >= j);
     let n = built.len();

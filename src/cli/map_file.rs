@@ -49,6 +49,14 @@ impl MapFile {
         Ok(Self { path, kind })
     }
 
+    /// Says before the work that there is no folder to write to.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        match self.path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+            Some(folder) => Err(format!("{}: there is no such folder", folder.display()).into()),
+            None => Ok(()),
+        }
+    }
+
     /// Writes the map. Bodies are two files, of which the second has `.b` before its extension.
     pub(super) fn write(&self, outcome: &Outcome) -> Result<(), Failure> {
         match self.kind {

@@ -2,7 +2,7 @@
 
 use super::map_file::{MapFile, Outcome};
 use super::{Failure, PathBuf, Preparing, Running, parse, prepare_scan};
-use crate::{Cpu, MatchOptions, Parts, Progress, Refinement, match_shapes};
+use crate::{Cpu, MatchOptions, OptionError, Parts, Progress, Refinement, UNMATCHED, match_shapes};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -28,12 +28,20 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.running.check()?;
+    if arguments.parts == Parts::Predicted {
+        return Err(OptionError::no_weights().into());
+    }
+    arguments.output.check()?;
     let a = prepare_scan(&arguments.a, &arguments.preparing)?;
     let b = prepare_scan(&arguments.b, &arguments.preparing)?;
     let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, ..Default::default() };
     let matched = pollster::block_on(match_shapes(&Cpu, &a, &b, &options, &mut Progress::silent()))?;
     let preparing = &arguments.preparing.options();
     arguments.output.write(&Outcome { a: &a, b: &b, preparing, options: &options, matched: &matched })?;
+    let (target, confidence) = (&matched.a_to_b.target, &matched.a_to_b.confidence);
+    let found = target.iter().filter(|&&target| target != UNMATCHED).count();
+    let sure = confidence.iter().filter(|&&confidence| confidence >= 0.5).count();
+    eprintln!("{found} of {} points matched, {sure} of them with a confidence of 0.5 or more", target.len());
     for (stage, seconds) in &matched.seconds {
         eprintln!("{stage}: {seconds:.3} s");
     }

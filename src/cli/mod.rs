@@ -11,7 +11,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::{Axis, LaplacianKind, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
+use crate::{Axis, LaplacianKind, OptionError, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
 
 /// Which point of one deformable 3D scan is which point of the other.
 #[derive(Parser)]
@@ -104,6 +104,11 @@ impl Running {
 /// What went wrong, in a sentence.
 type Failure = Box<dyn std::error::Error>;
 
+/// An option that can be told to be wrong before anything is read.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+struct WrongUse(#[from] OptionError);
+
 /// Runs the command line of this process.
 pub fn run() -> ExitCode {
     // clap prints what is wrong with the use and leaves with 2.
@@ -117,7 +122,7 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("geose-fmap: {failure}");
-            ExitCode::FAILURE
+            if failure.is::<WrongUse>() { ExitCode::from(2) } else { ExitCode::FAILURE }
         }
     }
 }
@@ -134,11 +139,13 @@ fn read_scan(path: &Path) -> Result<Shape, Failure> {
 }
 
 fn prepare_scan(path: &Path, preparing: &Preparing) -> Result<PreparedShape, Failure> {
+    let options = preparing.options();
+    options.check().map_err(WrongUse)?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
     let mut progress = Progress::silent();
     progress.at(Stage::Read, 0.0)?;
     let shape = read_scan(path)?;
-    Ok(prepare(shape, name, &preparing.options(), &mut progress).map_err(|e| format!("{}: {e}", path.display()))?)
+    Ok(prepare(shape, name, &options, &mut progress).map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
 fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {

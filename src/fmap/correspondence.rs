@@ -18,6 +18,12 @@ pub struct Correspondence {
 const CYCLE_SCALE: f64 = 0.05;
 
 impl Correspondence {
+    /// Says what somebody knows: point `i` belongs to `target`.
+    pub fn set(&mut self, i: u32, target: u32) {
+        self.target[i as usize] = target;
+        self.confidence[i as usize] = 1.0;
+    }
+
     /// The match `there` from the points of `from`, with confidence exp(−d²/2s²), d being how far from its start a point ends that goes `there` and comes
     /// `back`.
     pub(super) fn between(from: &Matchable, there: &[u32], back: &[u32]) -> Self {

@@ -9,7 +9,11 @@ use crate::spectrum::SpectralBasis;
 /// Diffusion times at unit area: a hand and a torso wide.
 const TIMES: [f64; 2] = [0.003, 0.02];
 
-/// Heat spread from each landmark row, one column per landmark and time, each of unit norm. Shape (k, 2·landmarks), coefficients in `basis`.
+/// Weight of each landmark against all invariant descriptors together, which weigh 1: one or two pairs can turn a body round.
+const LANDMARK_WEIGHT: f64 = 2.0;
+
+/// Heat spread from each landmark row, one column per landmark and time, of norm [`LANDMARK_WEIGHT`]. Shape (k, 2·landmarks), coefficients in
+/// `basis`.
 pub fn landmark_functions(basis: &SpectralBasis, rows: &[u32]) -> Array2<f64> {
     let mut coefficients = Array2::zeros((basis.k(), TIMES.len() * rows.len()));
     for (l, &row) in rows.iter().enumerate() {
@@ -19,7 +23,7 @@ pub fn landmark_functions(basis: &SpectralBasis, rows: &[u32]) -> Array2<f64> {
                 column[j] = (-time * basis.eigenvalues[j]).exp() * basis.eigenvectors[(row as usize, j)];
             }
             let norm = column.dot(&column).sqrt().max(f64::MIN_POSITIVE);
-            column /= norm;
+            column *= LANDMARK_WEIGHT / norm;
         }
     }
     coefficients
