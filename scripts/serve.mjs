@@ -1,6 +1,6 @@
 // Serves the built page on 127.0.0.1: on PORT, or on the first free port from 4173.
 import path from 'node:path';
-import { main, root } from './run.mjs';
+import { Failure, main, root } from './run.mjs';
 import { buildSite } from './site.mjs';
 
 /** Starts a server of dist/site; `port` 0 means any. Close it when done. Returns its address with it. */
@@ -27,7 +27,9 @@ function endWithNpm() {
 await main(import.meta, async () => {
   await buildSite();
   const { PORT } = process.env;
-  const { address } = await serveSite({ port: Number(PORT ?? 4173), strictPort: PORT !== undefined });
+  const { address } = await serveSite({ port: Number(PORT ?? 4173), strictPort: PORT !== undefined }).catch((error) => {
+    throw new Failure(error.message);
+  });
   console.log(`GeoSe-FMap is at ${address} (Ctrl+C ends it)`);
   endWithNpm();
 });

@@ -101,7 +101,7 @@ export interface Laplacian {
   indices: Uint32Array<ArrayBuffer>;
   /** Value of each entry. */
   values: Float64Array<ArrayBuffer>;
-  /** (n): area per point, in squared units of the scan. */
+  /** (n): area per point, in squared units of the scan; for `'geodesic-literal'` 1 each. */
   mass: Float64Array<ArrayBuffer>;
 }
 
@@ -111,7 +111,7 @@ export interface Spectrum {
   eigenvalues: Float64Array<ArrayBuffer>;
   /** (n, k), row-major. */
   eigenvectors: Float64Array<ArrayBuffer>;
-  /** (n): area per point. */
+  /** (n): area per point; for `'geodesic-literal'` 1 each. */
   mass: Float64Array<ArrayBuffer>;
 }
 

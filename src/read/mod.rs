@@ -18,6 +18,7 @@ pub use error::ReadError;
 pub use format::Format;
 
 use crate::error::Error;
+use crate::options::Axis;
 use crate::shape::{Repair, Shape};
 
 /// What a file says, before it is validated as a shape.
@@ -56,5 +57,7 @@ pub fn read(bytes: &[u8], name: Option<&str>, format: Option<Format>) -> Result<
         Format::Pts => table::read(bytes, "PTS")?,
         Format::Csv => table::read(bytes, "CSV")?,
     };
-    Ok(Shape::with_repairs(points, faces, labels, repairs)?)
+    let shape = Shape::with_repairs(points, faces, labels, repairs)?;
+    // glTF 2.0, section 3.4: y is up.
+    Ok(if matches!(format, Format::Glb | Format::Gltf) { shape.standing(Axis::Y) } else { shape })
 }

@@ -31,7 +31,9 @@ pub enum ShapeError {
         length: usize,
     },
     /// NaN or infinity among the coordinates.
-    #[error("{count} of the scan's points have a coordinate that is not a finite number; the first is point {index}")]
+    #[error(
+        "{count} of the scan's points have a coordinate that is not a finite number; the first is point {index}: leave those points out when saving"
+    )]
     NotFinite {
         /// First such point.
         index: usize,

@@ -10,6 +10,7 @@ mod spread;
 mod support;
 mod weld;
 
+use crate::options::Axis;
 use crate::vector::{cross, minus, norm};
 
 pub use crumbs::{Crumbs, set_crumbs_aside};
@@ -43,6 +44,7 @@ pub struct Shape {
     faces: Vec<[u32; 3]>,
     labels: Option<Vec<u32>>,
     repairs: Vec<Repair>,
+    up: Option<Axis>,
 }
 
 impl Shape {
@@ -102,7 +104,7 @@ impl Shape {
         }));
         faces::notice_bare_points(points.len(), &faces, &mut repairs);
         faces::notice_topology(points.len(), &weld(&faces, &first), &mut repairs);
-        Ok(Self { points, faces, labels, repairs })
+        Ok(Self { points, faces, labels, repairs, up: None })
     }
 
     /// Positions (n, 3) in the unit of the upload.
@@ -118,6 +120,16 @@ impl Shape {
     /// Part label per point, as given.
     pub fn labels(&self) -> Option<&[u32]> {
         self.labels.as_deref()
+    }
+
+    /// The axis that points up by the rules of the file's format; most formats have none.
+    pub fn up(&self) -> Option<Axis> {
+        self.up
+    }
+
+    /// The same shape with the axis that its format says is up.
+    pub(crate) fn standing(self, up: Axis) -> Self {
+        Self { up: Some(up), ..self }
     }
 
     /// What was changed, set aside or noticed on the way in.
@@ -148,7 +160,7 @@ impl Shape {
 
     /// From tables that came out of a valid shape.
     pub(crate) fn already_valid(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, labels: Option<Vec<u32>>) -> Self {
-        Self { points, faces, labels, repairs: Vec::new() }
+        Self { points, faces, labels, repairs: Vec::new(), up: None }
     }
 
     /// Sum of the triangle areas, in unit²; 0 for a cloud.

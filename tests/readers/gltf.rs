@@ -255,3 +255,8 @@ fn bad_references_are_named_by_their_object() {
     assert_eq!(refused(read(&changed(|d| d["asset"]["version"] = json!("1.0")))).0, "unsupported-variant");
     assert_eq!(refused(parse("{\"asset\": {\"version\": \"2.0\"}}", "a.gltf")).0, "missing-element");
 }
+
+#[test]
+fn y_is_up_as_the_format_says() {
+    assert_eq!(read(&gltf_document(&torus())).unwrap().up(), Some(geose_fmap::Axis::Y));
+}
