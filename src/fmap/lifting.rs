@@ -11,6 +11,8 @@ use crate::vector::{minus, plus, squared_distance};
 
 /// Neighbours whose matches say how the surface turns around a point used.
 const AROUND: usize = 8;
+/// Cells that are searched for the point nearest to an image.
+const CELLS: usize = 4;
 /// Of two points used, the one is a neighbour for the map only if their images are at most this many times farther apart than they are: limbs that only
 /// touch part here.
 const STRETCH: f64 = 3.0;
@@ -35,41 +37,63 @@ pub fn lift(
     let motions: Vec<Motion> =
         (0..source.points.len()).map(|row| Motion::around(row, &source, &target, &target_of)).collect();
 
-    let (mut targets, mut confidence) = (Vec::new(), Vec::new());
-    let mut candidates: Vec<usize> = Vec::new();
-    let unmatched = flags(from);
-    for (i, &x) in from.shape.points().iter().enumerate() {
-        if unmatched[i] {
-            targets.push(UNMATCHED);
-            confidence.push(0.0);
-            continue;
+    let n = from.shape.points().len();
+    let mut lifted = Correspondence { target: vec![UNMATCHED; n], confidence: vec![0.0; n] };
+    // Points that share a point used share the places they may go to, so these are laid side by side once.
+    let mut cells: Vec<Cell> = Vec::new();
+    let mut places: Vec<([f64; 3], u32)> = Vec::new();
+    for (row, motion) in motions.iter().enumerate() {
+        let mut images: Vec<usize> =
+            std::iter::once(&row).chain(&motion.neighbours).map(|&near| target_of(near)).collect();
+        images.extend(target.near(target_of(row)));
+        images.sort_unstable();
+        images.dedup();
+        cells.clear();
+        places.clear();
+        for image in images {
+            let start = places.len();
+            places.extend(target.cell(image).iter().map(|&j| (to.shape.points()[j as usize], j)));
+            cells.push(Cell { middle: target.points[image], places: start..places.len(), squared: 0.0 });
         }
-        let row = from.support.row_of(i);
-        let motion = &motions[row];
-        let reach = motion.spacing * motion.spacing;
-        let (mut image, mut total) = ([0.0; 3], 0.0);
-        candidates.clear();
-        for &near in std::iter::once(&row).chain(&motion.neighbours) {
-            let weight = (-0.5 * squared_distance(x, source.points[near]) / reach.max(f64::MIN_POSITIVE)).exp();
-            let moved = motions[near].apply(x, source.points[near], target.points[target_of(near)]);
-            (0..3).for_each(|c| image[c] += weight * moved[c]);
-            total += weight;
-            candidates.push(target_of(near));
+        let reach = (motion.spacing * motion.spacing).max(f64::MIN_POSITIVE);
+        for &i in source.cell(row) {
+            let x = from.shape.points()[i as usize];
+            let (mut image, mut total) = ([0.0; 3], 0.0);
+            for &near in std::iter::once(&row).chain(&motion.neighbours) {
+                let weight = (-0.5 * squared_distance(x, source.points[near]) / reach).exp();
+                let moved = motions[near].apply(x, source.points[near], target.points[target_of(near)]);
+                (0..3).for_each(|c| image[c] += weight * moved[c]);
+                total += weight;
+            }
+            image.iter_mut().for_each(|c| *c /= total);
+            // Cells whose middle is far from the image hold nothing nearer.
+            cells.iter_mut().for_each(|cell| cell.squared = squared_distance(cell.middle, image));
+            cells.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));
+            let nearest = |cells: &[Cell], allowed: &dyn Fn(u32) -> bool| {
+                let near = cells.iter().flat_map(|cell| &places[cell.places.clone()]);
+                let distances =
+                    near.filter(|(_, j)| allowed(*j)).map(|&(place, j)| (squared_distance(place, image), j));
+                distances.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, j)| j)
+            };
+            let close = &cells[..CELLS.min(cells.len())];
+            let own = match parts {
+                Some((of_from, of_to)) => nearest(&cells, &|j| of_from[i as usize] == of_to[j as usize]),
+                None => None,
+            };
+            let found = own.or_else(|| nearest(close, &|_| true));
+            lifted.target[i as usize] = found.unwrap_or(to.support.uploaded(target_of(row)) as u32);
+            lifted.confidence[i as usize] = matched.confidence[row];
         }
-        image.iter_mut().for_each(|c| *c /= total);
-        candidates.extend(target.near(target_of(row)));
-        candidates.sort_unstable();
-        candidates.dedup();
-        let elsewhere = |j: u32| parts.is_some_and(|(of_from, of_to)| of_from[i] != of_to[j as usize]);
-        let nearest = candidates
-            .iter()
-            .flat_map(|&candidate| target.cell(candidate))
-            .map(|&j| (elsewhere(j), squared_distance(to.shape.points()[j as usize], image), j))
-            .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-        targets.push(nearest.map_or(to.support.uploaded(target_of(row)) as u32, |(.., j)| j));
-        confidence.push(matched.confidence[row]);
     }
-    Correspondence { target: targets, confidence }
+    lifted
+}
+
+/// Uploaded points of the other scan that one of its points used stands for.
+struct Cell {
+    middle: [f64; 3],
+    places: std::ops::Range<usize>,
+    /// Of the middle to the image at hand.
+    squared: f64,
 }
 
 /// Whether each uploaded point can have no match.
