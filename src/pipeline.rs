@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::features::wave_kernel_signature;
 use crate::fmap::{
     COARSE, Correspondence, FunctionalMap, Matchable, Refinement, initial_maps, landmark_functions, lift,
-    part_functions, refine,
+    part_functions, refine, stretch,
 };
 use crate::graph::components;
 use crate::operators::{self, Laplacian, LaplacianKind};
@@ -170,6 +170,8 @@ pub async fn match_shapes<D: Device>(
     };
     let (a_to_b, b_to_a, maps) =
         refine(device, (&side_a, &side_b), first, &rotation, parts, options.refine, progress).await?;
+    let mut warnings = warnings(a, b);
+    warnings.extend(doubts(stretch(&side_a, &side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) =
         (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
     for &[i, j] in &options.landmarks {
@@ -186,7 +188,7 @@ pub async fn match_shapes<D: Device>(
         c_ba: FunctionalMap { matrix: in_uploaded_units(maps.c_ba, b, a) },
         seconds: progress.take_seconds(),
         points_used: [side_a.len(), side_b.len()],
-        warnings: warnings(a, b),
+        warnings,
     })
 }
 
@@ -293,13 +295,14 @@ fn longest_axis(points: &[[f64; 3]]) -> Option<Axis> {
         .find_map(|(c, axis)| (0..3).all(|other| other == c || extents[c] > 1.5 * extents[other]).then_some(axis))
 }
 
+/// What the shapes themselves give reason to doubt.
 fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
     let mut warnings =
         vec!["matched without a trained network: where the poses differ, limbs or the whole body may be matched the wrong way round, also at high confidence".to_owned()];
-    for (scan, shape) in [("a", a), ("b", b)] {
+    for (scan, shape) in [("A", a), ("B", b)] {
         if shape.info.pieces > 1 {
-            warnings
-                .push(format!("scan {scan} is in {} pieces, which have no geodesic between them", shape.info.pieces));
+            let pieces = shape.info.pieces;
+            warnings.push(format!("scan {scan} is in {pieces} pieces; how they hang together is not known"));
         }
     }
     if a.info.eigenpairs != b.info.eigenpairs {
@@ -309,4 +312,28 @@ fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// A map that changes lengths more than this, in the median, is no map between two poses of one kind of body.
+const STRETCHED: f64 = 1.2;
+/// Median confidence below which a map is hardly one.
+const UNSURE: f32 = 0.3;
+
+/// What the map gives reason to doubt.
+fn doubts(stretch: f64, confidence: &[f32]) -> Vec<String> {
+    let mut doubts = Vec::new();
+    if stretch > STRETCHED {
+        doubts.push(format!(
+            "the map changes lengths by a factor of {stretch:.1} in the median: the scans may show different kinds of bodies, or one of them only a part"
+        ));
+    }
+    let mut sorted = confidence.to_vec();
+    sorted.sort_by(f32::total_cmp);
+    if sorted.get(sorted.len() / 2).is_some_and(|&median| median < UNSURE) {
+        doubts.push(
+            "most points do not come back to themselves from A to B and back: the map is hardly to be trusted"
+                .to_owned(),
+        );
+    }
+    doubts
 }

@@ -513,6 +513,28 @@ fn crumbs_and_strays_are_set_aside_and_change_nothing_for_the_body() {
 }
 
 #[test]
+fn a_part_matched_onto_the_whole_is_doubted_and_whole_bodies_are_not() {
+    let [woman, man] = [body(BODIES[0]), body(BODIES[3])];
+    let mut upper = soup(&woman);
+    let waist = 1.0;
+    upper.faces.retain(|face| face.iter().all(|&i| upper.points[i as usize][1] > waist));
+    let kept: Vec<u32> = (0..5000).filter(|&i| upper.points[i as usize][1] > waist).collect();
+    let mut row = vec![u32::MAX; 5000];
+    kept.iter().zip(0..).for_each(|(&i, r)| row[i as usize] = r);
+    let faces = upper.faces.iter().map(|face| face.map(|i| row[i as usize])).collect();
+    let upper = Soup { points: kept.iter().map(|&i| upper.points[i as usize]).collect(), faces };
+    let options = PrepareOptions::default();
+    let [woman, man, upper] = [woman, man, upper.shape()].map(|shape| prepared(shape, &options));
+    let doubted = |a: &PreparedShape, b: &PreparedShape| {
+        let warnings = matched(a, b).warnings;
+        println!("{warnings:?}");
+        warnings.iter().any(|warning| warning.contains("changes lengths"))
+    };
+    assert!(!doubted(&woman, &man) && !doubted(&man, &woman));
+    assert!(doubted(&upper, &man));
+}
+
+#[test]
 fn samples_are_the_farthest_points_one_by_one() {
     let shape = body(BODIES[1]);
     let options = PrepareOptions { points: 300, ..quick() };

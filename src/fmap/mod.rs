@@ -14,6 +14,7 @@ mod lifting;
 mod metrics;
 mod part_scores;
 mod refine;
+mod stretch;
 
 pub use correspondence::{Correspondence, UNMATCHED};
 pub use embedding::Matchable;
@@ -24,3 +25,4 @@ pub use lifting::lift;
 pub use metrics::{EdgeDistances, mean_error, point_errors};
 pub use part_scores::{PartScores, part_scores};
 pub use refine::{COARSE, Refinement, refine};
+pub use stretch::stretch;
