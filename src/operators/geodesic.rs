@@ -1,8 +1,8 @@
 //! Point-cloud Laplacians: Algorithm 1 as printed, and the density-normalised form that is the default.
 //!
-//! Paper Sec. 3.2 (Algorithm 1, steps 3 and 4). On FAUST clouds with the exact map at k = 120 the printed form has an error of
-//! 2.07 (×100/√area), plain k-NN weights 1.77, and α = 1 weights with a mass of 1/density 1.14; the form below is that last one with a
-//! local scale and measured areas.
+//! Paper Sec. 3.2 (Algorithm 1, steps 3 and 4). On all 380 pairs of FAUST scans as clouds the exact map at k = 120 has an error (×100/√area)
+//! of 2.22 with the printed form, 1.38 with density-normalised weights on plain neighbours, and 1.17 with the default: the same on the
+//! graph of Algorithm 1, edges between touching sheets faded. Cotangents of the meshes have 1.02.
 
 use super::sheets::Sheets;
 use super::{Laplacian, LaplacianKind, cloud_mass};

@@ -76,7 +76,7 @@ fn wrong_and_missing_coordinates_are_refused_with_their_line() {
     assert_eq!(with("v 3 0").1, "OBJ, line 1: a vertex needs 3 values, the line has 2");
     assert_eq!(
         with("v 3 -nan(ind) 0").1,
-        "1 of the scan's points have a coordinate that is not a finite number; the first is point 0"
+        "1 of the scan's points have a coordinate that is not a finite number; the first is point 0: leave those points out when saving"
     );
     assert_eq!(refused(parse("# nothing\nf 1 2 3\n", "a.obj")).0, "missing-element");
 }
