@@ -5,7 +5,7 @@ use faer::{Mat, Side};
 
 use super::frames::tangent_frame;
 use crate::graph::Neighbours;
-use crate::vector::{dot, minus};
+use crate::vector::{dot, minus, norm};
 
 /// Neighbours that the first guess of the tangent plane is fitted to.
 const PLANE: usize = 8;
@@ -56,11 +56,24 @@ impl<'p> Sheets<'p> {
 
     /// From 1 for an edge within a sheet down to a floor for one between sheets.
     pub fn factor(&self, i: u32, j: u32) -> f64 {
+        FLOOR + (1.0 - FLOOR) * self.agreement(i, j)
+    }
+
+    /// From 1 where each of two points lies on the sheet of the other down to nothing.
+    pub fn agreement(&self, i: u32, j: u32) -> f64 {
         let squared = |from: u32, to: u32| {
             let offset = minus(self.points[to as usize], self.points[from as usize]);
             self.sheets[from as usize].squared_residual(offset).min(2.0)
         };
-        FLOOR + (1.0 - FLOOR) * (-FADE * (squared(i, j) + squared(j, i))).exp()
+        (-FADE * (squared(i, j) + squared(j, i))).exp()
+    }
+
+    /// Unit normal of the sheet at its point. Its sign means nothing: z ≥ 0, so that it does not hang on the order of points.
+    pub fn normal(&self, i: u32) -> [f64; 3] {
+        let Sheet { tangents: [u, v], normal, coefficients: [along_u, along_v, ..], .. } = &self.sheets[i as usize];
+        let tilted: [f64; 3] = std::array::from_fn(|c| normal[c] - along_u * u[c] - along_v * v[c]);
+        let length = norm(tilted).copysign(tilted[2]);
+        tilted.map(|x| x / length)
     }
 }
 
