@@ -1,4 +1,5 @@
-//! A mesh, the cloud of its vertices and samplings of that cloud have nearly the same spectrum once area and scale are taken out.
+//! A mesh, the cloud of its vertices and samplings of that cloud have nearly the same spectrum once area and scale are
+//! taken out.
 #![cfg(not(target_arch = "wasm32"))]
 
 mod shapes;
@@ -11,8 +12,8 @@ use shapes::{BODIES, body, farthest, laplacian};
 /// Eigenvalues compared, the zero among them.
 const FIRST: usize = 60;
 
-/// The first eigenvalues of a body of unit area, and Weyl-normalised: divided by the mean of λ_j/4πj over j = 16…63, which is 1 on a surface
-/// without boundary but for terms of higher order.
+/// The first eigenvalues of a body of unit area, and Weyl-normalised: divided by the mean of λ_j/4πj over j = 16…63,
+/// which is 1 on a surface without boundary but for terms of higher order.
 fn normalised(shape: &Shape, kind: LaplacianKind) -> Vec<f64> {
     let operator = laplacian(shape, kind);
     let (basis, _) = spectrum(&operator.matrix, &operator.mass, 64, &mut Progress::silent()).expect("a spectrum");
@@ -41,11 +42,13 @@ impl Deviation {
     }
 }
 
-/// The aim is 3 % for each of the first 60, and it is not reached: 2.6 to 3.1 % on average, and about two in three of them within 3 %.
+/// The aim is 3 % for each of the first 60. Of the clouds' 49 to 57 of 59 reach it, 1.2 to 1.7 % is the average, and
+/// 6.4 % the worst: λ₃ of man-standing, on which the arms oscillate against each other, is too small. Weights are good
+/// there (on woman-standing they give this function of the mesh its energy within 2 %), but the mass finds hands 8 %
+/// too large: five points go around a finger, and no plane is theirs.
 ///
-/// λ₃ and λ₄, on which the arms oscillate against each other and together against the rest, are 6 to 12 % too small, on 3000 samples 12 to 22 %.
-/// The weights are not to blame but the mass: it finds hands a third too large and feet an eighth (woman-standing), the rest within 3 %, and the energy of
-/// these two modes of the mesh within 2 %. From 42 to 48, mostly on torso and thighs, many are 4 to 9 % too small.
+/// On 3000 samples two or three do. Hands come out a third too large, λ₃ 11 to 14 % too small, and the average
+/// deviation is 1.9 to 2.5 %.
 #[test]
 fn a_cloud_and_its_samplings_have_about_the_spectrum_of_the_mesh_of_the_same_body() {
     for file in BODIES {
@@ -55,14 +58,14 @@ fn a_cloud_and_its_samplings_have_about_the_spectrum_of_the_mesh_of_the_same_bod
         let samples = farthest(&cloud, 3000);
         let [found, sampled] = [&cloud, &samples].map(|shape| normalised(shape, LaplacianKind::Geodesic));
         // Measured on the four bodies, rounded up: mean and largest deviation, and how many of 59 are within 3 %.
-        for (name, off, mean_allowed, most_allowed) in [
-            ("cloud against mesh", Deviation::of(&found, &right), 3.3, 13.0),
-            ("3000 samples against mesh", Deviation::of(&sampled, &right), 3.6, 23.0),
-            ("3000 samples against cloud", Deviation::of(&sampled, &found), 3.4, 13.0),
+        for (name, off, mean_allowed, most_allowed, good_needed) in [
+            ("cloud against mesh", Deviation::of(&found, &right), 1.8, 6.7, 48),
+            ("3000 samples against mesh", Deviation::of(&sampled, &right), 2.6, 14.5, 41),
+            ("3000 samples against cloud", Deviation::of(&sampled, &found), 2.1, 11.0, 47),
         ] {
             let Deviation { mean, most, at, good } = off;
             println!("{file}, {name}: {mean:.2} % on average, at most {most:.2} % (λ{at}), {good} of 59 within 3 %");
-            assert!(mean <= mean_allowed && most <= most_allowed && good >= 30, "{file}, {name}: {off:?}");
+            assert!(mean <= mean_allowed && most <= most_allowed && good >= good_needed, "{file}, {name}: {off:?}");
         }
     }
 }
