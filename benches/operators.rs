@@ -1,5 +1,5 @@
-//! Seconds per Laplacian by kind and size, graph and all, without the eigensolver: `cargo bench --bench operators`. Throughput is points per second, so
-//! that it should not fall from 5000 to 20 000 points.
+//! Seconds per Laplacian by kind and size, graph and all, without the eigensolver: `cargo bench --bench operators`.
+//! Throughput is points per second, so that it should not fall from 5000 to 20 000 points.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -13,7 +13,8 @@ mod shapes;
 
 const SIZES: [usize; 3] = [1000, 5000, 20_000];
 
-/// The surface of a body with four times as many faces per level, shaken by a thirtieth of the spacing so that no four points lie on a circle.
+/// The surface of a body with four times as many faces per level, shaken by a thirtieth of the spacing so that no four
+/// points lie on a circle.
 fn finer(mesh: &Soup) -> Soup {
     let finer = subdivided(mesh);
     let area = finer.shape().surface_area();

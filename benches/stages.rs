@@ -1,4 +1,5 @@
-//! Seconds per stage after the Laplacian (benches/operators.rs) by size: `cargo bench --bench stages`. Bodies are the sample scans; other sizes are farthest-point samplings of them.
+//! Seconds per stage after the Laplacian (benches/operators.rs) by size: `cargo bench --bench stages`. Bodies are the
+//! sample scans; other sizes are farthest-point samplings of them.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -16,7 +17,8 @@ fn sample(name: &str) -> Shape {
     read(&bytes, Some(name), None).expect("the samples are good files")
 }
 
-/// A cloud of about `n` points: the vertices of a body, with the midpoints of its faces and edges where more are needed.
+/// A cloud of about `n` points: the vertices of a body, with the midpoints of its faces and edges where more are
+/// needed.
 fn cloud(n: usize) -> Shape {
     let body = sample("woman-standing.ply");
     let corner = |i: u32| body.points()[i as usize];

@@ -71,7 +71,8 @@ fn the_gradient_of_height_on_a_sphere_is_its_tangential_part() {
             [r * turn.cos(), r * turn.sin(), z]
         })
         .collect();
-    // Root mean square and largest error allowed, where the gradient is 0.82 in the same mean. Scattered points come as near as a tenth of the spacing.
+    // Root mean square and largest error allowed, where the gradient is 0.82 in the same mean. Scattered points come as
+    // near as a tenth of the spacing.
     for (name, soup, mean, largest) in [
         ("mesh", icosphere(4), 0.002, 0.01),
         ("even cloud", fibonacci_sphere(2562), 0.004, 0.02),
@@ -178,8 +179,8 @@ fn constants_have_no_gradient() {
 
 #[test]
 fn gradients_do_not_reach_across_two_sheets_that_touch() {
-    // Two layers, 0 on the lower and 1 on the upper one, looked at away from their rims. Without sheets the median is 0.12 and 0.09; at half a spacing
-    // nothing tells the layers apart (0.07 either way).
+    // Two layers, 0 on the lower and 1 on the upper one, looked at away from their rims. Without sheets the median is
+    // 0.12 and 0.09; at half a spacing nothing tells the layers apart (0.07 either way).
     let mut random = Random(8);
     let mut layer =
         |height: f64| sheet(30, 30).moved(|[x, y, _]| [x + 0.2 * random.sign(), y + 0.2 * random.sign(), height]);

@@ -1,4 +1,6 @@
-"""One side of run.mjs: reads paths of clouds (float64, n by 3) from stdin, answers each with the seconds that 120 eigenpairs took."""
+"""One side of run.mjs: reads paths of clouds (float64, n by 3) from stdin, answers each with the seconds that
+120 eigenpairs took.
+"""
 
 import json
 import sys

@@ -1,4 +1,5 @@
-//! One side of run.mjs: reads paths of clouds (f64, n by 3) from stdin, answers each with the seconds that 120 eigenpairs took.
+//! One side of run.mjs: reads paths of clouds (f64, n by 3) from stdin, answers each with the seconds that 120
+//! eigenpairs took.
 
 use std::io::BufRead;
 use std::time::Instant;

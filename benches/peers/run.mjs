@@ -1,4 +1,5 @@
-// Laplacian and 120 eigenpairs of clouds of 5000 points: the package in Node, the same crate natively, and robust_laplacian with SciPy, in turns.
+// Laplacian and 120 eigenpairs of clouds of 5000 points: the package in Node, the same crate natively, and
+// robust_laplacian with SciPy, in turns.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';

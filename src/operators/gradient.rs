@@ -1,8 +1,9 @@
 //! Gradients of functions on a shape, in a tangent plane at each point.
 //!
-//! The operators that DiffusionNet builds its gradient features from (Sharp, Attaiki, Crane & Ovsjanikov 2022, Sec. 3.4). Two departures. On
-//! meshes they average the gradients of faces instead of fitting one to the edges around a vertex: no matrix is inverted, so no triangle
-//! is bad. On clouds the fit leaves out neighbours on other sheets of surface.
+//! The operators that DiffusionNet builds its gradient features from (Sharp, Attaiki, Crane & Ovsjanikov 2022, Sec.
+//! 3.4). Two departures. On meshes they average the gradients of faces instead of fitting one to the edges around a
+//! vertex: no matrix is inverted, so no triangle is bad. On clouds the fit leaves out neighbours on other sheets of
+//! surface.
 
 use sprs::{CsMat, TriMat};
 
@@ -15,18 +16,19 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::Shape;
 use crate::vector::{cross, dot, minus};
 
-/// Along an axis in which the neighbours of a point spread less than this part of what they spread in all (squares of lengths), the gradient is
-/// taken to be 0: they lie on a line, or on other sheets.
+/// Along an axis in which the neighbours of a point spread less than this part of what they spread in all (squares of
+/// lengths), the gradient is taken to be 0: they lie on a line, or on other sheets.
 const LEAST_SPREAD: f64 = 1e-3;
 
 /// ∇ of functions on n points, as two sparse matrices.
 #[derive(Clone, Debug)]
 pub struct Gradient {
-    /// G₁ and G₂ (n, n each), in 1/unit: the derivatives along the first and the second tangent axis of each point are G₁f and G₂f.
-    /// Rows sum to zero, and are empty where no gradient can be told (points without faces, points among copies of themselves).
+    /// G₁ and G₂ (n, n each), in 1/unit: the derivatives along the first and the second tangent axis of each point are
+    /// G₁f and G₂f. Rows sum to zero, and are empty where no gradient can be told (points without faces, points among
+    /// copies of themselves).
     pub along: [CsMat<f64>; 2],
-    /// The tangent axes (n), right-handed with the normal; of meshes the normal points to where faces are seen counter-clockwise, of clouds
-    /// its sign means nothing.
+    /// The tangent axes (n), right-handed with the normal; of meshes the normal points to where faces are seen
+    /// counter-clockwise, of clouds its sign means nothing.
     pub frames: Vec<Frame>,
 }
 
@@ -40,8 +42,8 @@ impl Gradient {
     }
 }
 
-/// The gradient on a shape: of faces where it has them, else of neighbours on the graph of Algorithm 1. As for the Laplacian, all points count, and of
-/// the corners of faces that lie at exactly one place the first has the entries.
+/// The gradient on a shape: of faces where it has them, else of neighbours on the graph of Algorithm 1. As for the
+/// Laplacian, all points count, and of the corners of faces that lie at exactly one place the first has the entries.
 pub fn gradient(shape: &Shape, progress: &mut Progress) -> Result<Gradient, Cancelled> {
     if !shape.faces().is_empty() {
         progress.at(Stage::Laplacian, 0.0)?;
@@ -56,9 +58,11 @@ pub fn gradient(shape: &Shape, progress: &mut Progress) -> Result<Gradient, Canc
     Ok(cloud_gradient(shape.points(), &graph, &neighbours, &sheets))
 }
 
-/// Mean of the gradients of the faces around each vertex, weighted with their areas, in the tangent plane of the angle-weighted normal.
+/// Mean of the gradients of the faces around each vertex, weighted with their areas, in the tangent plane of the
+/// angle-weighted normal.
 ///
-/// Area × gradient of a face is ½ Σ f_i n × e_i with e_i the side opposite corner i: nothing is divided by the area of a single face.
+/// Area × gradient of a face is ½ Σ f_i n × e_i with e_i the side opposite corner i: nothing is divided by the area of
+/// a single face.
 pub(super) fn mesh_gradient(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Gradient {
     let frames: Vec<Frame> = mesh_normals(points, faces).into_iter().map(Frame::around).collect();
     let mut areas = vec![0.0; points.len()];
@@ -82,8 +86,9 @@ pub(super) fn mesh_gradient(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Gradient
     Gradient { along: matrices(points.len(), entries), frames }
 }
 
-/// The gradient that explains the differences to the neighbours best (weighted least squares). Weights are those of the Laplacian,
-/// exp(−d²/σ_iσ_j), times how far two points agree that they are of one sheet. Neighbours are rolled out to their full distance.
+/// The gradient that explains the differences to the neighbours best (weighted least squares). Weights are those of the
+/// Laplacian, exp(−d²/σ_iσ_j), times how far two points agree that they are of one sheet. Neighbours are rolled out to
+/// their full distance.
 pub(super) fn cloud_gradient(
     points: &[[f64; 3]],
     graph: &EdgeGraph,

@@ -1,8 +1,9 @@
 //! The tufted intrinsic triangulation: any triangle soup made into a manifold and flipped until Delaunay.
 //!
-//! Each triangle gets a front and a back; around every edge the front of one sheet is glued to the back of the next, so that
-//! the result is a closed, oriented manifold whatever the input (Sharp & Crane, "A Laplacian for Nonmanifold Triangle Meshes", 2020,
-//! Sec. 3). Only edge lengths live on it. Intrinsic Delaunay flips then make all cotangent weights non-negative.
+//! Each triangle gets a front and a back; around every edge the front of one sheet is glued to the back of the next, so
+//! that the result is a closed, oriented manifold whatever the input (Sharp & Crane, "A Laplacian for Nonmanifold
+//! Triangle Meshes", 2020, Sec. 3). Only edge lengths live on it. Intrinsic Delaunay flips then make all cotangent
+//! weights non-negative.
 
 use crate::vector::{cross, dot, minus, norm, squared_distance};
 
@@ -20,10 +21,12 @@ pub(super) struct TuftedCover {
     twin: Vec<[Side; 3]>,
 }
 
-/// Lengthening of all edges, relative to the mean, that guarantees triangle inequalities (Sharp & Crane 2020, Sec. 4.5).
+/// Lengthening of all edges, relative to the mean, that guarantees triangle inequalities (Sharp & Crane 2020, Sec.
+/// 4.5).
 const MOLLIFICATION: f64 = 1e-5;
-/// An edge is flipped when its cotangent weight is below this: far under any weight that matters, and over the rounding of f32 coordinates, so that the
-/// two diagonals of a symmetric quadrilateral are not a toss-up. The value of geometry-central, and so of robust_laplacian.
+/// An edge is flipped when its cotangent weight is below this: far under any weight that matters, and over the rounding
+/// of f32 coordinates, so that the two diagonals of a symmetric quadrilateral are not a toss-up. The value of
+/// geometry-central, and so of robust_laplacian.
 const DELAUNAY_TOLERANCE: f64 = -1e-6;
 
 impl TuftedCover {
@@ -193,7 +196,8 @@ impl TuftedCover {
     }
 }
 
-/// Lengthens every edge by the least amount that gives every corner a triangle inequality with slack, relative to the mean length of edges.
+/// Lengthens every edge by the least amount that gives every corner a triangle inequality with slack, relative to the
+/// mean length of edges.
 fn mollify(lengths: &mut [[f64; 3]], mean: f64) {
     let slack = MOLLIFICATION * mean;
     let mut delta: f64 = 0.0;

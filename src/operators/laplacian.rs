@@ -94,7 +94,8 @@ impl Laplacian {
             values[next[row]] = value;
             next[row] += 1;
         };
-        // Edges come in order of their lower end and then of their upper one, so every row is filled in order: left of the diagonal, it, right of it.
+        // Edges come in order of their lower end and then of their upper one, so every row is filled in order: left of
+        // the diagonal, it, right of it.
         edges.iter().for_each(|&(i, j, w)| enter(j as usize, i as usize, -w));
         degree.iter().enumerate().for_each(|(i, &d)| enter(i, i, d));
         edges.iter().for_each(|&(i, j, w)| enter(i as usize, j as usize, -w));

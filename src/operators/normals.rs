@@ -7,8 +7,8 @@ use crate::graph::{Neighbours, nearest_neighbours};
 use crate::shape::Shape;
 use crate::vector::{cross, dot, minus, norm, plus};
 
-/// Where the normals of the faces around a vertex cancel to less than this share, windings contradict each other and only the line that the
-/// normals lie on is taken from them.
+/// Where the normals of the faces around a vertex cancel to less than this share, windings contradict each other and
+/// only the line that the normals lie on is taken from them.
 const CANCELLED: f64 = 0.05;
 /// A face with less than this part of its longest side squared as area has no direction beyond rounding.
 pub(super) const LEAST_AREA: f64 = 1e-8;
@@ -16,8 +16,9 @@ pub(super) const LEAST_AREA: f64 = 1e-8;
 /// Normals taken where nothing says otherwise.
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// Unit normals (n, 3). Of a mesh they point to the side from which its faces run counter-clockwise, which is out where the scan is wound as usual;
-/// of a cloud either way. Where nothing is known (points without faces, points that only have copies of themselves around them), +z or any other direction.
+/// Unit normals (n, 3). Of a mesh they point to the side from which its faces run counter-clockwise, which is out where
+/// the scan is wound as usual; of a cloud either way. Where nothing is known (points without faces, points that only
+/// have copies of themselves around them), +z or any other direction.
 ///
 /// Of points in one place, all have the normal of the faces that meet there.
 pub fn normals(shape: &Shape) -> Vec<[f64; 3]> {
@@ -29,15 +30,16 @@ pub fn normals(shape: &Shape) -> Vec<[f64; 3]> {
     shape.first_at_place().into_iter().map(|first| at_first[first as usize]).collect()
 }
 
-/// Normals (n, 3) of a cloud, of either sign: those of the surfaces that [`Sheets`] fits, which follow one of two sheets that touch where principal
-/// components mix them.
+/// Normals (n, 3) of a cloud, of either sign: those of the surfaces that [`Sheets`] fits, which follow one of two
+/// sheets that touch where principal components mix them.
 fn cloud_normals(points: &[[f64; 3]], neighbours: &Neighbours) -> Vec<[f64; 3]> {
     let sheets = Sheets::fit(points, neighbours);
     (0..points.len() as u32).map(|i| sheets.normal(i)).collect()
 }
 
-/// Normals (n, 3) of a mesh from the winding of its faces, each face counting with its angle at the vertex, so that how a flat piece is cut into
-/// triangles does not matter (Thürmer & Wüthrich 1998). Where windings contradict each other the sign means nothing.
+/// Normals (n, 3) of a mesh from the winding of its faces, each face counting with its angle at the vertex, so that how
+/// a flat piece is cut into triangles does not matter (Thürmer & Wüthrich 1998). Where windings contradict each other
+/// the sign means nothing.
 pub(super) fn mesh_normals(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Vec<[f64; 3]> {
     let n = points.len();
     let mut sum = vec![[0.0; 3]; n];
