@@ -1,4 +1,5 @@
-//! Seconds per stage by size: `cargo bench`. Bodies are the sample scans; other sizes are farthest-point samplings of them.
+//! Seconds per stage after the Laplacian (benches/operators.rs) by size: `cargo bench --bench stages`. Bodies are the
+//! sample scans; other sizes are farthest-point samplings of them.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -16,7 +17,8 @@ fn sample(name: &str) -> Shape {
     read(&bytes, Some(name), None).expect("the samples are good files")
 }
 
-/// A cloud of about `n` points: the vertices of a body, with the midpoints of its faces and edges where more are needed.
+/// A cloud of about `n` points: the vertices of a body, with the midpoints of its faces and edges where more are
+/// needed.
 fn cloud(n: usize) -> Shape {
     let body = sample("woman-standing.ply");
     let corner = |i: u32| body.points()[i as usize];
@@ -26,23 +28,6 @@ fn cloud(n: usize) -> Shape {
     let points: Vec<[f64; 3]> = body.points().iter().copied().chain(more).collect();
     let stride = (points.len() / n).max(1);
     Shape::new(points.into_iter().step_by(stride).take(n).collect(), Vec::new(), None).expect("a body is a good shape")
-}
-
-fn operators(c: &mut Criterion) {
-    let mut group = c.benchmark_group("laplacian");
-    for n in [1000, 5000, 20_000] {
-        let cloud = cloud(n);
-        for kind in [LaplacianKind::Geodesic, LaplacianKind::GeodesicLiteral, LaplacianKind::Euclidean] {
-            group.bench_with_input(BenchmarkId::new(kind.name(), cloud.points().len()), &cloud, |b, cloud| {
-                b.iter(|| laplacian(black_box(cloud), kind, &mut Progress::silent()));
-            });
-        }
-    }
-    let mesh = sample("woman-standing.ply");
-    group.bench_with_input(BenchmarkId::new("cotangent", mesh.points().len()), &mesh, |b, mesh| {
-        b.iter(|| laplacian(black_box(mesh), LaplacianKind::Cotangent, &mut Progress::silent()));
-    });
-    group.finish();
 }
 
 fn spectra(c: &mut Criterion) {
@@ -78,6 +63,6 @@ fn matching(c: &mut Criterion) {
 criterion_group! {
     name = stages;
     config = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(8));
-    targets = operators, spectra, matching
+    targets = spectra, matching
 }
 criterion_main!(stages);

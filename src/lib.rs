@@ -68,7 +68,9 @@ pub use fmap::{
     part_scores, point_errors,
 };
 pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
-pub use operators::{GaussianParams, Laplacian, LaplacianKind, OperatorError, laplacian};
+pub use operators::{
+    Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,
+};
 pub use options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 pub use pipeline::{Match, match_shapes, prepare};
 pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};

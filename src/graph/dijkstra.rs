@@ -9,6 +9,8 @@ use super::EdgeGraph;
 pub struct BoundedDijkstra<'g> {
     graph: &'g EdgeGraph,
     distance: Vec<f64>,
+    /// Targets not reached yet; all false between searches.
+    wanted: Vec<bool>,
     touched: Vec<u32>,
     heap: BinaryHeap<Reverse<Front>>,
 }
@@ -48,11 +50,20 @@ impl PartialOrd for Front {
 impl<'g> BoundedDijkstra<'g> {
     /// Prepares searches on `graph`.
     pub fn new(graph: &'g EdgeGraph) -> Self {
-        Self { graph, distance: vec![f64::INFINITY; graph.len()], touched: Vec::new(), heap: BinaryHeap::new() }
+        let n = graph.len();
+        let (distance, wanted) = (vec![f64::INFINITY; n], vec![false; n]);
+        Self { graph, distance, wanted, touched: Vec::new(), heap: BinaryHeap::new() }
     }
 
     /// Shortest paths from `source` as far as `radius` (same unit as the edges; infinity for the whole graph).
     pub fn search(&mut self, source: u32, radius: f64) -> Reached<'_> {
+        self.search_for(&[], source, radius)
+    }
+
+    /// The same, over as soon as all `targets`, each named once, are reached: only distances to them are exact then. Without targets nothing ends it early.
+    pub fn search_for(&mut self, targets: &[u32], source: u32, radius: f64) -> Reached<'_> {
+        let mut left = targets.len();
+        targets.iter().for_each(|&t| self.wanted[t as usize] = true);
         for &v in &self.touched {
             self.distance[v as usize] = f64::INFINITY;
         }
@@ -66,6 +77,12 @@ impl<'g> BoundedDijkstra<'g> {
                 continue;
             }
             let v = vertex as usize;
+            if std::mem::take(&mut self.wanted[v]) {
+                left -= 1;
+                if left == 0 {
+                    break;
+                }
+            }
             for (&next, &length) in self.graph.neighbours(v).iter().zip(self.graph.lengths(v)) {
                 let through = distance + length;
                 let known = &mut self.distance[next as usize];
@@ -78,6 +95,7 @@ impl<'g> BoundedDijkstra<'g> {
                 }
             }
         }
+        targets.iter().for_each(|&t| self.wanted[t as usize] = false);
         Reached { distance: &self.distance }
     }
 }

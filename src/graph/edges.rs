@@ -14,23 +14,39 @@ pub struct EdgeGraph {
 impl EdgeGraph {
     /// From edges `(i, j, length)`, each given once in either order or several times; self-loops are left out.
     pub fn from_edges(n: usize, edges: impl IntoIterator<Item = (u32, u32, f64)>) -> Self {
-        let mut both: Vec<(u32, u32, f64)> = Vec::new();
-        for (i, j, length) in edges {
-            if i != j {
-                both.push((i, j, length));
-                both.push((j, i, length));
-            }
-        }
-        both.sort_unstable_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
-        both.dedup_by_key(|e| (e.0, e.1));
-        let mut indptr = vec![0; n + 1];
-        for &(i, _, _) in &both {
-            indptr[i as usize + 1] += 1;
+        let edges: Vec<(u32, u32, f64)> = edges.into_iter().filter(|(i, j, _)| i != j).collect();
+        // Into rows by counting, so that only short rows are sorted.
+        let mut start = vec![0; n + 1];
+        for &(i, j, _) in &edges {
+            start[i as usize + 1] += 1;
+            start[j as usize + 1] += 1;
         }
         for i in 0..n {
-            indptr[i + 1] += indptr[i];
+            start[i + 1] += start[i];
         }
-        let (indices, lengths) = both.into_iter().map(|(_, j, length)| (j, length)).unzip();
+        let mut next = start.clone();
+        let mut both = vec![(0, 0.0); 2 * edges.len()];
+        let mut enter = |i: u32, j: u32, length: f64| {
+            both[next[i as usize]] = (j, length);
+            next[i as usize] += 1;
+        };
+        for &(i, j, length) in &edges {
+            enter(i, j, length);
+            enter(j, i, length);
+        }
+        let mut indptr = vec![0; n + 1];
+        let (mut indices, mut lengths) = (Vec::with_capacity(both.len()), Vec::with_capacity(both.len()));
+        for i in 0..n {
+            let row = &mut both[start[i]..start[i + 1]];
+            row.sort_unstable_by(|a: &(u32, f64), b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            for (at, &(j, length)) in row.iter().enumerate() {
+                if at == 0 || row[at - 1].0 != j {
+                    indices.push(j);
+                    lengths.push(length);
+                }
+            }
+            indptr[i + 1] = indices.len();
+        }
         Self { indptr, indices, lengths }
     }
 

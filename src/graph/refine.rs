@@ -66,10 +66,13 @@ pub fn refine(neighbours: &Neighbours, params: &RefineParams) -> GeodesicGraph {
         let before = kept.len();
         let mut search = BoundedDijkstra::new(&graph);
         let mut still_rejected = Vec::new();
+        let mut targets: Vec<u32> = Vec::new();
         // `rejected` stays sorted by source, so each source is searched once.
         for row in rejected.chunk_by(|a, b| a.0 == b.0) {
             let (source, farthest) = (row[0].0, row.iter().fold(0.0, |m: f64, e| m.max(e.2)));
-            let reached = search.search(source, params.ratio * farthest);
+            targets.clear();
+            targets.extend(row.iter().map(|edge| edge.1));
+            let reached = search.search_for(&targets, source, params.ratio * farthest);
             for &edge in row {
                 let passes = reached.to(edge.1) < params.ratio * edge.2;
                 if passes { kept.push(edge) } else { still_rejected.push(edge) }

@@ -1,14 +1,33 @@
-//! Tangent planes of a point cloud.
+//! Tangent planes.
 
 use faer::{Mat, Side};
 
-/// An orthonormal frame at each point: two tangent axes and the normal, whose sign means nothing on a cloud.
+use crate::vector::dot;
+
+/// An orthonormal frame at a point: two tangent axes and the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Tangent axes.
     pub tangents: [[f64; 3]; 2],
-    /// Normal, of either sign.
+    /// Normal; on a cloud its sign means nothing.
     pub normal: [f64; 3],
+}
+
+impl Frame {
+    /// A right-handed frame about a unit normal. The axes follow from the normal alone (Duff et al. 2017, "Building an Orthonormal Basis,
+    /// Revisited"), so renumbering points does not turn them.
+    pub fn around(normal: [f64; 3]) -> Self {
+        let [x, y, z] = normal;
+        let sign = 1.0_f64.copysign(z);
+        let a = -1.0 / (sign + z);
+        let b = x * y * a;
+        Self { tangents: [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]], normal }
+    }
+
+    /// Components of a vector along the two tangent axes.
+    pub fn along(&self, vector: [f64; 3]) -> [f64; 2] {
+        self.tangents.map(|axis| dot(axis, vector))
+    }
 }
 
 /// The frame at `centre` by principal components of the points around it: the normal is the direction they spread least in.

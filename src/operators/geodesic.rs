@@ -34,20 +34,23 @@ pub fn literal_laplacian(graph: &EdgeGraph, sigma: f64) -> Laplacian {
 /// Least share of its weight that a point keeps when edges between sheets fade.
 const LEAST_SHARE: f64 = 0.05;
 
-/// Weights exp(−d²/σ_iσ_j) with σ_i the mean distance from i to its own k neighbours, W ← Q⁻¹WQ⁻¹ with Q their row sums including the point
-/// itself (α = 1, so that sampling density drops out in the limit), mass from the neighbourhood discs.
+/// Weights exp(−d²/σ_iσ_j) with σ_i the mean distance from i to its own k neighbours, W ← Q⁻¹WQ⁻¹ with Q their row sums
+/// including the point itself (α = 1, so that sampling density drops out in the limit), mass from the neighbourhood
+/// discs.
 ///
-/// Departures from the paper. σ is local, not one for the cloud. Where points lie close, k neighbours end inside a global kernel, density is
-/// underestimated and diffusion slowed by up to a half. On sample bodies whose hands are sampled twice as densely the first 60 eigenvalues
-/// differ from the mesh's by 1.8 % on average instead of 3.0 % (both with plain disc areas; with the areas of today 2.0 to 2.9 %).
+/// Departures from the paper. σ is local, not one for the cloud. Where points lie close, k neighbours end inside a
+/// global kernel, density is underestimated and diffusion slowed by up to a half. On sample bodies whose hands are
+/// sampled twice as densely the first 60 eigenvalues differ from the mesh's by 1.8 % on average instead of 3.0 % (both
+/// with plain disc areas; with the areas of today 1.8 %).
 ///
-/// With `contact`, edges between sheets of surface that only touch fade ([`Sheets`]), and every point gets its row sum back in equal shares
-/// (W ← R^−½ W R^−½, R the share that is left). Algorithm 1 hardly prunes them: a shortcut among the first k₀ neighbours lets those beside it
-/// in. On 16 synthetic bodies with limbs in contact the exact map at k = 120 has 0.41 instead of 0.56 (×100/√area; 0.12 with cotangents of
-/// the mesh), and the first 60 eigenvalues differ from the mesh's by 4.7 instead of 5.9 % on average.
+/// With `contact`, edges between sheets of surface that only touch fade ([`Sheets`]), and every point gets its row sum
+/// back in equal shares (W ← R^−½ W R^−½, R the share that is left). Algorithm 1 hardly prunes them: a shortcut among
+/// the first k₀ neighbours lets those beside it in. On 16 synthetic bodies with limbs in contact the exact map at k =
+/// 120 has 0.41 instead of 0.56 (×100/√area; 0.12 with cotangents of the mesh), and the first 60 eigenvalues differ
+/// from the mesh's by 4.7 instead of 5.9 % on average (both before areas were right on fingers, `mass.rs`).
 ///
-/// The scale makes the Dirichlet energy of the coordinate functions twice the area, as on any surface:
-/// Σ_c ∫|∇x_c|² = ∫ tr(tangent projector) = 2·area. It replaces the kernel constant, which truncation at k neighbours spoils.
+/// The scale makes the Dirichlet energy of the coordinate functions twice the area, as on any surface: Σ_c ∫|∇x_c|² = ∫
+/// tr(tangent projector) = 2·area. It replaces the kernel constant, which truncation at k neighbours spoils.
 pub fn gaussian_laplacian(
     points: &[[f64; 3]],
     graph: &EdgeGraph,

@@ -1,10 +1,9 @@
 //! The tufted intrinsic triangulation: any triangle soup made into a manifold and flipped until Delaunay.
 //!
-//! Each triangle gets a front and a back; around every edge the front of one sheet is glued to the back of the next, so that
-//! the result is a closed, oriented manifold whatever the input (Sharp & Crane, "A Laplacian for Nonmanifold Triangle Meshes", 2020,
-//! Sec. 3). Only edge lengths live on it. Intrinsic Delaunay flips then make all cotangent weights non-negative.
-
-use std::collections::HashMap;
+//! Each triangle gets a front and a back; around every edge the front of one sheet is glued to the back of the next, so
+//! that the result is a closed, oriented manifold whatever the input (Sharp & Crane, "A Laplacian for Nonmanifold
+//! Triangle Meshes", 2020, Sec. 3). Only edge lengths live on it. Intrinsic Delaunay flips then make all cotangent
+//! weights non-negative.
 
 use crate::vector::{cross, dot, minus, norm, squared_distance};
 
@@ -22,10 +21,12 @@ pub(super) struct TuftedCover {
     twin: Vec<[Side; 3]>,
 }
 
-/// Lengthening of all edges, relative to the mean, that guarantees triangle inequalities (Sharp & Crane 2020, Sec. 4.5).
+/// Lengthening of all edges, relative to the mean, that guarantees triangle inequalities (Sharp & Crane 2020, Sec.
+/// 4.5).
 const MOLLIFICATION: f64 = 1e-5;
-/// An edge is flipped when its cotangent weight is below this: far under any weight that matters, and over the rounding of f32 coordinates, so that the
-/// two diagonals of a symmetric quadrilateral are not a toss-up. The value of geometry-central, and so of robust_laplacian.
+/// An edge is flipped when its cotangent weight is below this: far under any weight that matters, and over the rounding
+/// of f32 coordinates, so that the two diagonals of a symmetric quadrilateral are not a toss-up. The value of
+/// geometry-central, and so of robust_laplacian.
 const DELAUNAY_TOLERANCE: f64 = -1e-6;
 
 impl TuftedCover {
@@ -36,10 +37,21 @@ impl TuftedCover {
                 std::array::from_fn(|s| squared_distance(points[f[s] as usize], points[f[(s + 1) % 3] as usize]).sqrt())
             })
             .collect();
-        mollify(faces, &mut lengths);
+        let m = faces.len();
+        let mut sides: Vec<((u32, u32), Side)> = Vec::with_capacity(3 * m);
+        for (f, face) in faces.iter().enumerate() {
+            for s in 0..3 {
+                let (a, b) = (face[s], face[(s + 1) % 3]);
+                sides.push(((a.min(b), a.max(b)), Side { face: f as u32, side: s as u8 }));
+            }
+        }
+        sides.sort_unstable_by_key(|&(edge, side)| (edge, side.face, side.side));
+        let (sum, edges) = sides.chunk_by(|x, y| x.0 == y.0).fold((0.0, 0_usize), |(sum, edges), of| {
+            (sum + lengths[of[0].1.face as usize][of[0].1.side as usize], edges + 1)
+        });
+        mollify(&mut lengths, sum / edges.max(1) as f64);
 
         // Fronts are faces 0..m; backs are m..2m with the vertices reversed.
-        let m = faces.len();
         let mut vertices = faces.to_vec();
         vertices.extend(faces.iter().map(|f| [f[0], f[2], f[1]]));
         let mut all_lengths = lengths.clone();
@@ -47,15 +59,11 @@ impl TuftedCover {
         let nowhere = Side { face: u32::MAX, side: 0 };
         let mut cover = Self { vertices, lengths: all_lengths, twin: vec![[nowhere; 3]; 2 * m] };
 
-        let mut sides_of_edge: HashMap<(u32, u32), Vec<Side>> = HashMap::with_capacity(3 * m / 2);
-        for (f, face) in faces.iter().enumerate() {
-            for s in 0..3 {
-                let (a, b) = (face[s], face[(s + 1) % 3]);
-                let around = sides_of_edge.entry((a.min(b), a.max(b))).or_default();
-                around.push(Side { face: f as u32, side: s as u8 });
-            }
-        }
-        for ((a, b), mut around) in sides_of_edge {
+        let mut around = Vec::new();
+        for of_edge in sides.chunk_by(|x, y| x.0 == y.0) {
+            let (a, b) = of_edge[0].0;
+            around.clear();
+            around.extend(of_edge.iter().map(|&(_, side)| side));
             if around.len() > 2 {
                 sort_by_angle(points, faces, a, b, &mut around);
             }
@@ -188,20 +196,10 @@ impl TuftedCover {
     }
 }
 
-/// Lengthens every edge by the least amount that gives every corner a triangle inequality with slack.
-fn mollify(faces: &[[u32; 3]], lengths: &mut [[f64; 3]]) {
-    let (mut sum, mut count) = (0.0, 0usize);
-    let mut seen = std::collections::HashSet::with_capacity(3 * faces.len() / 2);
-    for (f, l) in faces.iter().zip(lengths.iter()) {
-        for s in 0..3 {
-            let (a, b) = (f[s], f[(s + 1) % 3]);
-            if seen.insert((a.min(b), a.max(b))) {
-                sum += l[s];
-                count += 1;
-            }
-        }
-    }
-    let slack = MOLLIFICATION * sum / count.max(1) as f64;
+/// Lengthens every edge by the least amount that gives every corner a triangle inequality with slack, relative to the
+/// mean length of edges.
+fn mollify(lengths: &mut [[f64; 3]], mean: f64) {
+    let slack = MOLLIFICATION * mean;
     let mut delta: f64 = 0.0;
     for l in lengths.iter() {
         for s in 0..3 {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use sprs::{CsMat, TriMat};
+use sprs::CsMat;
 
 /// Ways to discretise the Laplace–Beltrami operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -74,29 +74,32 @@ impl Laplacian {
         weights: impl IntoIterator<Item = (u32, u32, f64)>,
     ) -> Self {
         let n = mass.len();
-        let mut entries = TriMat::new((n, n));
-        let mut degree = vec![0.0; n];
         // Added up before they are entered, in one order, so that both triangles have the same bits.
-        let mut edges: Vec<(u32, u32, f64)> = weights.into_iter().map(|(i, j, w)| (i.min(j), i.max(j), w)).collect();
-        edges.sort_by_key(|&(i, j, _)| (i, j));
-        edges.dedup_by(|next, sum| {
-            let same = (next.0, next.1) == (sum.0, sum.1);
-            sum.2 += if same { next.2 } else { 0.0 };
-            same
-        });
-        for (i, j, w) in edges {
-            let (i, j) = (i as usize, j as usize);
-            if i != j {
-                entries.add_triplet(i, j, -w);
-                entries.add_triplet(j, i, -w);
-                degree[i] += w;
-                degree[j] += w;
+        let edges = added_up(n, weights.into_iter().filter(|(i, j, _)| i != j));
+        let mut degree = vec![0.0; n];
+        let mut indptr = vec![0; n + 1];
+        for &(i, j, w) in &edges {
+            for end in [i as usize, j as usize] {
+                degree[end] += w;
+                indptr[end + 1] += 1;
             }
         }
-        for (i, &d) in degree.iter().enumerate() {
-            entries.add_triplet(i, i, d);
+        for i in 0..n {
+            indptr[i + 1] += indptr[i] + 1;
         }
-        Self { kind, matrix: entries.to_csr(), mass }
+        let (mut columns, mut values) = (vec![0; indptr[n]], vec![0.0; indptr[n]]);
+        let mut next = indptr.clone();
+        let mut enter = |row: usize, column: usize, value: f64| {
+            columns[next[row]] = column;
+            values[next[row]] = value;
+            next[row] += 1;
+        };
+        // Edges come in order of their lower end and then of their upper one, so every row is filled in order: left of
+        // the diagonal, it, right of it.
+        edges.iter().for_each(|&(i, j, w)| enter(j as usize, i as usize, -w));
+        degree.iter().enumerate().for_each(|(i, &d)| enter(i, i, d));
+        edges.iter().for_each(|&(i, j, w)| enter(i as usize, j as usize, -w));
+        Self { kind, matrix: CsMat::new((n, n), indptr, columns, values), mass }
     }
 
     /// Number of points.
@@ -113,4 +116,31 @@ impl Laplacian {
     pub fn area(&self) -> f64 {
         self.mass.iter().sum()
     }
+}
+
+/// Edges `(i, j, w)` with i < j in order, those of one pair added up in the order they come in.
+fn added_up(n: usize, weights: impl Iterator<Item = (u32, u32, f64)>) -> Vec<(u32, u32, f64)> {
+    let weights: Vec<(u32, u32, f64)> = weights.map(|(i, j, w)| (i.min(j), i.max(j), w)).collect();
+    // Into rows by counting, so that only short rows are sorted.
+    let mut start = vec![0; n + 1];
+    weights.iter().for_each(|&(i, ..)| start[i as usize + 1] += 1);
+    for i in 0..n {
+        start[i + 1] += start[i];
+    }
+    let mut next = start.clone();
+    let mut edges = vec![(0, 0, 0.0); weights.len()];
+    for edge in weights {
+        let at = &mut next[edge.0 as usize];
+        edges[*at] = edge;
+        *at += 1;
+    }
+    for row in start.windows(2) {
+        edges[row[0]..row[1]].sort_by_key(|&(_, j, _)| j);
+    }
+    edges.dedup_by(|next, sum| {
+        let same = (next.0, next.1) == (sum.0, sum.1);
+        sum.2 += if same { next.2 } else { 0.0 };
+        same
+    });
+    edges
 }

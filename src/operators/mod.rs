@@ -1,11 +1,13 @@
-//! Laplacians and mass: for meshes by cotangents, for clouds by Algorithm 1 of the paper.
+//! Laplacians and mass, for meshes by cotangents, for clouds by Algorithm 1 of the paper; normals and gradients of both.
 
 mod cotangent;
 mod frames;
 mod geodesic;
+mod gradient;
 mod intrinsic;
 mod laplacian;
 mod mass;
+mod normals;
 mod sheets;
 
 use crate::graph::{RefineParams, nearest_neighbours, refine};
@@ -13,9 +15,12 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::Shape;
 
 pub use cotangent::cotangent_laplacian;
+pub use frames::Frame;
 pub use geodesic::{GaussianParams, gaussian_laplacian, literal_laplacian};
+pub use gradient::{Gradient, gradient};
 pub use laplacian::{Laplacian, LaplacianKind};
 pub use mass::cloud_mass;
+pub use normals::normals;
 
 /// Why no Laplacian could be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,11 +1,8 @@
 //! Which neighbours lie on the same sheet of surface as a point, where limbs touch.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
-
 use super::frames::tangent_frame;
 use crate::graph::Neighbours;
-use crate::vector::{dot, minus};
+use crate::vector::{dot, minus, norm};
 
 /// Neighbours that the first guess of the tangent plane is fitted to.
 const PLANE: usize = 8;
@@ -56,11 +53,24 @@ impl<'p> Sheets<'p> {
 
     /// From 1 for an edge within a sheet down to a floor for one between sheets.
     pub fn factor(&self, i: u32, j: u32) -> f64 {
+        FLOOR + (1.0 - FLOOR) * self.agreement(i, j)
+    }
+
+    /// From 1 where each of two points lies on the sheet of the other down to nothing.
+    pub fn agreement(&self, i: u32, j: u32) -> f64 {
         let squared = |from: u32, to: u32| {
             let offset = minus(self.points[to as usize], self.points[from as usize]);
             self.sheets[from as usize].squared_residual(offset).min(2.0)
         };
-        FLOOR + (1.0 - FLOOR) * (-FADE * (squared(i, j) + squared(j, i))).exp()
+        (-FADE * (squared(i, j) + squared(j, i))).exp()
+    }
+
+    /// Unit normal of the sheet at its point. Its sign means nothing: z ≥ 0, so that it does not hang on the order of points.
+    pub fn normal(&self, i: u32) -> [f64; 3] {
+        let Sheet { tangents: [u, v], normal, coefficients: [along_u, along_v, ..], .. } = &self.sheets[i as usize];
+        let tilted: [f64; 3] = std::array::from_fn(|c| normal[c] - along_u * u[c] - along_v * v[c]);
+        let length = norm(tilted).copysign(tilted[2]);
+        tilted.map(|x| x / length)
     }
 }
 
@@ -98,20 +108,19 @@ impl Sheet {
                 let agreement = 1.0 + (residual / (tolerance * distance.max(0.5))).powi(2);
                 window(distance) / (agreement * agreement)
             };
-            let mut normal = Mat::from_fn(5, 5, |p, q| if p == q { RIDGE[p] } else { 0.0 });
-            let mut right = Mat::<f64>::zeros(5, 1);
+            let mut normal: [[f64; 5]; 5] =
+                std::array::from_fn(|p| std::array::from_fn(|q| if p == q { RIDGE[p] } else { 0.0 }));
+            let mut right = [0.0; 5];
             for (terms, z, distance) in &rows {
                 let w = weight(terms, *z, *distance);
                 for p in 0..5 {
-                    right[(p, 0)] += w * terms[p] * z;
-                    for q in 0..5 {
-                        normal[(p, q)] += w * terms[p] * terms[q];
+                    right[p] += w * terms[p] * z;
+                    for q in 0..=p {
+                        normal[p][q] += w * terms[p] * terms[q];
                     }
                 }
             }
-            let Ok(cholesky) = normal.llt(Side::Lower) else { break };
-            let solved = cholesky.solve(&right);
-            sheet.coefficients = std::array::from_fn(|p| solved[(p, 0)]);
+            sheet.coefficients = solved(normal, right);
         }
         sheet
     }
@@ -135,4 +144,28 @@ impl Sheet {
 
 fn product(terms: &[f64; 5], coefficients: &[f64; 5]) -> f64 {
     terms.iter().zip(coefficients).map(|(t, c)| t * c).sum()
+}
+
+/// Solves a positive definite system, of which the lower triangle is given, by Cholesky factors. Five unknowns, ten thousands of times: a library's
+/// matrices would spend their time on memory.
+fn solved(mut a: [[f64; 5]; 5], mut x: [f64; 5]) -> [f64; 5] {
+    for j in 0..5 {
+        for k in 0..j {
+            for i in j..5 {
+                a[i][j] -= a[i][k] * a[j][k];
+            }
+        }
+        // The ridge keeps pivots positive.
+        let root = a[j][j].sqrt();
+        (j..5).for_each(|i| a[i][j] /= root);
+    }
+    for i in 0..5 {
+        (0..i).for_each(|k| x[i] -= a[i][k] * x[k]);
+        x[i] /= a[i][i];
+    }
+    for i in (0..5).rev() {
+        (i + 1..5).for_each(|k| x[i] -= a[k][i] * x[k]);
+        x[i] /= a[i][i];
+    }
+    x
 }

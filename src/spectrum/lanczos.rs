@@ -113,7 +113,16 @@ impl<A: FnMut(MatMut<'_, f64>)> Lanczos<A> {
             column.fill(0.0);
             fill(&mut column, j);
             let scale = column.norm_l2();
-            // Only within the block and against what rounding left: the candidate was orthogonal to the rest before.
+            // A candidate was orthogonal to all but its own block, and stays so unless most of it is subtracted.
+            let within = done.subcols(self.filled, j);
+            let kept = orthogonalise(column.rb_mut(), within);
+            if kept > 0.1 * scale {
+                let inverse = 1.0 / kept;
+                column.rb_mut().iter_mut().for_each(|x| *x *= inverse);
+                let inverse = 1.0 / orthogonalise(column.rb_mut(), within);
+                column.rb_mut().iter_mut().for_each(|x| *x *= inverse);
+                continue;
+            }
             let mut left = orthogonalise(column.rb_mut(), done);
             let mut enough = (1e-13 * scale).max(f64::MIN_POSITIVE);
             // A random vector is dependent on the others with probability zero, so the second try is the last but for a broken operator.

@@ -272,3 +272,19 @@ pub fn laplacian(shape: &Shape, kind: LaplacianKind) -> geose_fmap::Laplacian {
 pub fn prepared(shape: Shape, options: &PrepareOptions) -> PreparedShape {
     prepare(shape, None, options, &mut Progress::silent()).expect("a prepared shape")
 }
+
+/// A cloud of `count` points of a shape, each as far as possible from those before it.
+pub fn farthest(shape: &Shape, count: usize) -> Shape {
+    let points = shape.points();
+    let mut nearest = vec![f64::INFINITY; points.len()];
+    let mut next = 0;
+    let chosen = (0..count).map(|_| {
+        let point = points[next];
+        for (d, &p) in nearest.iter_mut().zip(points) {
+            *d = d.min(distance(p, point));
+        }
+        next = (0..points.len()).fold(0, |best, i| if nearest[i] > nearest[best] { i } else { best });
+        point
+    });
+    Shape::new(chosen.collect(), vec![], None).expect("a part of a good shape")
+}
