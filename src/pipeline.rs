@@ -65,8 +65,13 @@ pub fn prepare(
     };
 
     progress.at(Stage::Sample, 0.0)?;
-    let Crumbs { body: surface, crumbs, far, pieces: crumb_count } =
-        set_crumbs_aside(&used_shape, &surface_points(&used_shape));
+    let surface = surface_points(&used_shape);
+    // Cotangents need the mesh; the other kinds are built on the points that are used.
+    let kind = options.laplacian.unwrap_or(operators::default_kind(&used_shape));
+    let on_mesh = kind == LaplacianKind::Cotangent && !used_shape.faces().is_empty();
+    let most = if on_mesh { MESH_LIMIT.max(options.points) } else { options.points.saturating_add(options.points / 2) };
+    check_size(surface.len().min(most), options.eigenpairs)?;
+    let Crumbs { body: surface, crumbs, far, pieces: crumb_count } = set_crumbs_aside(&used_shape, &surface);
     repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
         let bits = counted(crumb_count, "bit", "bits");
         format!(
@@ -78,12 +83,6 @@ pub fn prepare(
     if surface.len() < MIN_POINTS {
         return Err(ShapeError::TooFewPoints { found: surface.len(), needed: MIN_POINTS }.into());
     }
-    // Cotangents need the mesh; the other kinds are built on the points that are used.
-    let kind = options.laplacian.unwrap_or(operators::default_kind(&used_shape));
-    let on_mesh = kind == LaplacianKind::Cotangent && !used_shape.faces().is_empty();
-    let carriers =
-        if on_mesh { surface.len().min(MESH_LIMIT) } else { surface.len().min(options.points.saturating_mul(2)) };
-    check_size(carriers, options.eigenpairs)?;
     if on_mesh && surface.len() > MESH_LIMIT {
         let count = surface.len();
         let message =
