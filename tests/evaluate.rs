@@ -534,7 +534,10 @@ fn wrong_use_ends_with_2_and_what_cannot_be_done_with_1() {
             .contains("flat: a cotangent Laplacian needs faces")
     );
     assert!(set.refusal(&["--mode", "mesh", "--json", "/nowhere/found.json"]).contains("/nowhere is no folder"));
-    assert!(set.refusal(&["--mode", "mesh", "--eigenpairs", "5"]).contains("eigenpairs must be between"));
+    // Out of range is wrong use, as it is for the other verbs.
+    let few = set.run(&["--mode", "mesh", "--eigenpairs", "5"]);
+    assert_eq!(few.code, Some(2), "{}", few.err);
+    assert!(few.err.contains("eigenpairs must be between"), "{}", few.err);
     // The same for the other verbs.
     let flat = set.folder.join("shapes/flat.off");
     let flat = flat.to_str().expect("text");

@@ -535,6 +535,22 @@ fn a_part_matched_onto_the_whole_is_doubted_and_whole_bodies_are_not() {
 }
 
 #[test]
+fn of_many_pieces_alike_none_is_a_crumb() {
+    let ball = icosphere(1);
+    let mut many = Soup { points: vec![], faces: vec![] };
+    for i in 0..150_u32 {
+        let (first, x) = (many.points.len() as u32, 10.0 * f64::from(i));
+        many.points.extend(ball.points.iter().map(|p| [p[0] + x, p[1], p[2]]));
+        many.faces.extend(ball.faces.iter().map(|face| face.map(|v| v + first)));
+    }
+    for scan in [many.shape(), many.cloud().shape()] {
+        let shape = prepared(scan, &PrepareOptions { eigenpairs: 20, ..PrepareOptions::default() });
+        assert!(shape.repairs.iter().all(|repair| repair.code != "crumbs-set-aside"));
+        assert_eq!(shape.info.pieces, 150);
+    }
+}
+
+#[test]
 fn samples_are_the_farthest_points_one_by_one() {
     let shape = body(BODIES[1]);
     let options = PrepareOptions { points: 300, ..quick() };

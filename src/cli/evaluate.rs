@@ -41,6 +41,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.running.check()?;
+    arguments.preparing.check()?;
     // Measuring may take hours; that the result has nowhere to go should not show at their end.
     let folder =
         arguments.json.as_deref().and_then(|file| file.parent()).filter(|folder| !folder.as_os_str().is_empty());

@@ -62,6 +62,13 @@ impl Preparing {
     }
 }
 
+impl Preparing {
+    /// Refuses what is out of range, before anything is read.
+    fn check(&self) -> Result<(), Failure> {
+        Ok(self.options().check().map_err(WrongUse)?)
+    }
+}
+
 /// Options on what a program runs with.
 #[derive(Args, Clone, Debug)]
 struct Running {
@@ -139,13 +146,12 @@ fn read_scan(path: &Path) -> Result<Shape, Failure> {
 }
 
 fn prepare_scan(path: &Path, preparing: &Preparing) -> Result<PreparedShape, Failure> {
-    let options = preparing.options();
-    options.check().map_err(WrongUse)?;
+    preparing.check()?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
     let mut progress = Progress::silent();
     progress.at(Stage::Read, 0.0)?;
     let shape = read_scan(path)?;
-    Ok(prepare(shape, name, &options, &mut progress).map_err(|e| format!("{}: {e}", path.display()))?)
+    Ok(prepare(shape, name, &preparing.options(), &mut progress).map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
 fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {

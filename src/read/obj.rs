@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use super::Draft;
 use super::error::{Place, ReadError, quoted};
 use super::polygons::Polygons;
-use super::text::{Line, Lines, number, whole};
+use super::text::{Line, Lines, vertex, whole};
 
 const OBJ: &str = "OBJ";
 
@@ -23,7 +23,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
         let line = Line { number: start.number, bytes: &joined };
         let mut words = line.words();
         match words.next() {
-            Some(b"v") => points.push(vertex(line, words)?),
+            Some(b"v") => points.push(vertex(OBJ, line, words)?),
             Some(b"f") => {
                 corners.clear();
                 for word in words {
@@ -55,23 +55,6 @@ fn join<'a>(line: Line<'a>, lines: &mut Lines<'a>) -> Cow<'a, [u8]> {
         joined.extend_from_slice(next.bytes);
     }
     joined
-}
-
-/// The first three numbers; a weight or a colour may follow.
-fn vertex<'a>(line: Line, mut words: impl Iterator<Item = &'a [u8]>) -> Result<[f64; 3], ReadError> {
-    let at = Place::Line(line.number);
-    let mut point = [0.0; 3];
-    for (found, coordinate) in point.iter_mut().enumerate() {
-        let Some(word) = words.next() else {
-            let what = "a vertex".to_owned();
-            return Err(ReadError::ShortLine { format: OBJ, what, needed: 3, found: found as u64, at });
-        };
-        let Some(value) = number(word) else {
-            return Err(ReadError::BadNumber { format: OBJ, text: quoted(word), expected: "a number", at });
-        };
-        *coordinate = value;
-    }
-    Ok(point)
 }
 
 /// 0-based point of `v`, `v/vt`, `v//vn` or `v/vt/vn`, where `v` counts from 1, or back from the last point when negative.

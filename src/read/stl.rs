@@ -6,7 +6,7 @@
 use super::Draft;
 use super::error::{Place, ReadError, quoted};
 use super::polygons::Polygons;
-use super::text::{Line, Lines, number};
+use super::text::{Lines, vertex};
 use crate::shape::{Repair, counted};
 
 const STL: &str = "STL";
@@ -94,7 +94,7 @@ fn read_text(bytes: &[u8]) -> Result<Draft, ReadError> {
             b"vertex" => {
                 corners.push(points.len() as i64);
                 let last = lines.rest().trim_ascii().is_empty();
-                points.push(vertex(line, words).map_err(|e| match e {
+                points.push(vertex(STL, line, words).map_err(|e| match e {
                     ReadError::ShortLine { .. } if last => unfinished(&polygons, lines.number()),
                     e => e,
                 })?);
@@ -136,22 +136,6 @@ fn read_text(bytes: &[u8]) -> Result<Draft, ReadError> {
     }
     let (faces, repairs) = polygons.finish(points.len())?;
     Ok(Draft { points, faces, labels: None, repairs })
-}
-
-fn vertex<'a>(line: Line, mut words: impl Iterator<Item = &'a [u8]>) -> Result<[f64; 3], ReadError> {
-    let at = Place::Line(line.number);
-    let mut point = [0.0; 3];
-    for (found, coordinate) in point.iter_mut().enumerate() {
-        let Some(word) = words.next() else {
-            let what = "a vertex".to_owned();
-            return Err(ReadError::ShortLine { format: STL, what, needed: 3, found: found as u64, at });
-        };
-        let Some(value) = number(word) else {
-            return Err(ReadError::BadNumber { format: STL, text: quoted(word), expected: "a number", at });
-        };
-        *coordinate = value;
-    }
-    Ok(point)
 }
 
 /// A text STL has no counts; that it is whole shows in its last word.

@@ -1,5 +1,7 @@
 //! Text files line by line: LF, CRLF or lone CR, with line numbers for people.
 
+use super::error::{Place, ReadError, quoted};
+
 /// The lines of a text file that hold anything.
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
@@ -88,4 +90,25 @@ pub(super) fn number(word: &[u8]) -> Option<f64> {
 /// A whole number in decimal.
 pub(super) fn whole(word: &[u8]) -> Option<i64> {
     std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// The three coordinates that `words` begin with; what follows them is for the caller.
+pub(super) fn vertex<'a>(
+    format: &'static str,
+    line: Line,
+    mut words: impl Iterator<Item = &'a [u8]>,
+) -> Result<[f64; 3], ReadError> {
+    let at = Place::Line(line.number);
+    let mut point = [0.0; 3];
+    for (found, coordinate) in point.iter_mut().enumerate() {
+        let Some(word) = words.next() else {
+            let what = "a vertex".to_owned();
+            return Err(ReadError::ShortLine { format, what, needed: 3, found: found as u64, at });
+        };
+        let Some(value) = number(word) else {
+            return Err(ReadError::BadNumber { format, text: quoted(word), expected: "a number", at });
+        };
+        *coordinate = value;
+    }
+    Ok(point)
 }

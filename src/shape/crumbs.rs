@@ -8,7 +8,7 @@ use super::Shape;
 use crate::graph::{components, nearest_neighbours};
 use crate::vector::{cross, minus, norm};
 
-/// A piece with less than this share of the surface (of a cloud: of the points) is a crumb.
+/// A piece with less than this share of the largest piece's surface (of a cloud: of its points) is a crumb. Of many pieces alike none is.
 const CRUMB: f64 = 0.01;
 /// Neighbours that tell how dense a cloud is around a point.
 const AROUND: usize = 8;
@@ -40,10 +40,10 @@ pub fn set_crumbs_aside(shape: &Shape, surface: &[u32]) -> Crumbs {
         true => pieces_of_cloud(&at(shape, surface)),
         false => pieces_of_mesh(shape, surface),
     };
-    let total: f64 = weight.iter().sum();
+    let largest = weight.iter().copied().fold(0.0, f64::max);
     let (mut body, mut crumbs, mut pieces) = (Vec::new(), Vec::new(), BTreeSet::new());
     for (&i, piece) in surface.iter().zip(piece) {
-        if weight[piece as usize] < CRUMB * total {
+        if weight[piece as usize] < CRUMB * largest {
             crumbs.push(i);
             pieces.insert(piece);
         } else {
