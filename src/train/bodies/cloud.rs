@@ -4,8 +4,22 @@ use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+/// A point of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// Where it is.
+    pub place: DVec3,
+    /// The nearest corner of the triangle it lies in.
+    pub vertex: u32,
+}
+
 /// `count` points drawn uniformly by area.
 pub fn uniform_points(positions: &[DVec3], triangles: &[[u32; 3]], count: usize, rng: &mut ChaCha8Rng) -> Vec<DVec3> {
+    draw_points(positions, triangles, count, rng).into_iter().map(|drawn| drawn.place).collect()
+}
+
+/// The same with the vertices they lie next to.
+pub fn draw_points(positions: &[DVec3], triangles: &[[u32; 3]], count: usize, rng: &mut ChaCha8Rng) -> Vec<Drawn> {
     let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
     let mut total = 0.0;
     let up_to: Vec<f64> = triangles
@@ -22,7 +36,10 @@ pub fn uniform_points(positions: &[DVec3], triangles: &[[u32; 3]], count: usize,
         let [p, q, r] = corners(&triangles[t]);
         // The square root makes the density even over the triangle.
         let (s, v) = (rng.random::<f64>().sqrt(), rng.random::<f64>());
-        p * (1.0 - s) + q * (s * (1.0 - v)) + r * (s * v)
+        let place = p * (1.0 - s) + q * (s * (1.0 - v)) + r * (s * v);
+        let distance = |&w: &u32| positions[w as usize].distance_squared(place);
+        let nearest = triangles[t].into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        Drawn { place, vertex: nearest.unwrap_or(triangles[t][0]) }
     };
     (0..count).map(|_| draw()).collect()
 }

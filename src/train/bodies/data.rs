@@ -7,12 +7,14 @@ use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::skinning::Weights;
+use crate::shape::ShapeError;
 
 /// Vertices `0..BODY_VERTICES` of the base mesh are the body's skin; the rest are helpers (joint cubes, clothes, eyes).
 pub const BODY_VERTICES: usize = 13_380;
@@ -36,6 +38,9 @@ pub enum DataError {
         /// What is wrong, with the line where that helps.
         message: String,
     },
+    /// A scan made of it is no valid shape.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
 }
 
 /// The unpacked data; shape targets are read when a person asks for them.
@@ -49,6 +54,8 @@ pub struct BodyData {
     pub bones: Vec<Bone>,
     /// Skinning weights of the body vertices over `bones`.
     pub weights: Weights,
+    /// Targets read so far: a random person adds up fifty of them, and all people together a few hundred.
+    targets: Mutex<HashMap<String, Arc<Target>>>,
 }
 
 /// One bone of the rig; its ends are means of base-mesh vertices, so they follow the shape.
@@ -77,11 +84,22 @@ impl BodyData {
         let file: WeightFile = read_json(&weights_path)?;
         let by_bone: Vec<_> = bones.iter().map(|b| file.weights.get(&b.name).cloned().unwrap_or_default()).collect();
         let weights = Weights::from_bones(BODY_VERTICES, &by_bone).map_err(|m| content(&weights_path, m))?;
-        Ok(Self { root: root.to_owned(), base, groups, bones, weights })
+        Ok(Self { root: root.to_owned(), base, groups, bones, weights, targets: Mutex::default() })
     }
 
-    /// The offsets of `targets/<name>.target.gz`; lines are `vertex dx dy dz`, `#` starts a comment.
-    pub fn target(&self, name: &str) -> Result<Target, DataError> {
+    /// The offsets of `targets/<name>.target.gz`, read once and then remembered.
+    pub fn target(&self, name: &str) -> Result<Arc<Target>, DataError> {
+        let known = || self.targets.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(target) = known().get(name) {
+            return Ok(Arc::clone(target));
+        }
+        let target = Arc::new(self.read_target(name)?);
+        known().insert(name.to_owned(), Arc::clone(&target));
+        Ok(target)
+    }
+
+    /// Lines are `vertex dx dy dz`, `#` starts a comment.
+    fn read_target(&self, name: &str) -> Result<Target, DataError> {
         let path = self.root.join("targets").join(format!("{name}.target.gz"));
         let packed = fs::read(&path).map_err(|source| DataError::Io { path: path.clone(), source })?;
         let mut text = String::new();

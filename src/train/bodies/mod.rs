@@ -3,33 +3,45 @@
 //! ```text
 //! BodyData ─Person─▶ rest shape ─Skeleton─▶ joints ─Pose─▶ motions ─skin─▶ posed ─Refined─▶ fine skin (49 thousand vertices)
 //!    └─outer_skin─▶ closed surface ─Refined─▶ fine skin ─simplify (once, neutral body)─▶ Template: vertices of every body
+//!
+//! seed ─random─▶ person, pose (drawn again while it passes through itself) ─▶ fine skin ─scan─▶ Scan (and, apart from it, its Truth)
 //! ```
 
+pub mod chance;
 pub mod cloud;
 pub mod data;
 pub mod joints;
 pub mod manifold;
 pub mod parts;
+pub mod people;
 pub mod pose;
+pub mod poses;
 pub mod quadric;
+pub mod random;
+pub mod reach;
 pub mod refine;
 pub mod samples;
+pub mod scan;
 pub mod shape_mixture;
 pub mod simplify;
 pub mod skeleton;
 pub mod skinning;
 pub mod surface;
+pub mod touch;
 pub mod write;
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use data::{BodyData, DataError};
 use pose::Pose;
+use reach::Reach;
 use refine::Refined;
 use shape_mixture::Person;
 use skeleton::Skeleton;
+
+use crate::shape::nearest_samples;
 
 /// Metres per decimetre.
 const METRES: f64 = 0.1;
@@ -41,6 +53,8 @@ pub struct BodyModel {
     pub skin: Refined,
     /// Part label of each vertex of `skin`, an index into [`parts::PARTS`].
     pub labels: Vec<u32>,
+    /// For each vertex of `skin` the one at its mirror image on the symmetric base mesh.
+    pub mirror: Vec<u32>,
 }
 
 /// The mesh all bodies share: index `i` is the same body point in each of them.
@@ -52,6 +66,24 @@ pub struct Template {
     pub triangles: Vec<[u32; 3]>,
     /// Part label of each template vertex.
     pub labels: Vec<u32>,
+    /// Spots of the template that tell whether a pose touches or passes through itself.
+    pub reach: Reach,
+}
+
+/// A person before any pose.
+pub struct Rest {
+    /// Vertices of the base mesh in decimetres.
+    pub shape: Vec<DVec3>,
+    /// The bones inside.
+    pub skeleton: Skeleton,
+}
+
+/// A posed person.
+pub struct Posed {
+    /// Vertices of the fine skin in metres, standing on y = 0 with the hips over the origin.
+    pub skin: Vec<DVec3>,
+    /// Where that origin lies, in decimetres and the axes of [`Skeleton::motions`].
+    pub origin: DVec3,
 }
 
 impl Template {
@@ -71,7 +103,8 @@ impl BodyModel {
             return Err(DataError::Content { path: root.to_owned(), message });
         }
         let labels = parts::labels(&data.bones, &data.weights.refined(&skin.stencils));
-        Ok(Self { data, skin, labels })
+        let mirror = mirror_images(&skin.positions(&data.base));
+        Ok(Self { data, skin, labels, mirror })
     }
 
     /// Simplifies the neutral body to `count` vertices, finer on the head and finest on hands and feet, which need it.
@@ -85,18 +118,48 @@ impl BodyModel {
         };
         let size: Vec<f64> = self.labels.iter().map(wanted).collect();
         let (vertices, triangles) = simplify::simplify(&neutral, &self.skin.triangles, &size, count);
-        let labels = vertices.iter().map(|&v| self.labels[v as usize]).collect();
-        Ok(Template { vertices, triangles, labels })
+        let labels = vertices.iter().map(|&v| self.labels[v as usize]).collect::<Vec<_>>();
+        let metres = placed(&neutral, DVec3::new(0.0, lowest(&neutral), 0.0));
+        let metres: Vec<DVec3> = vertices.iter().map(|&v| metres[v as usize]).collect();
+        let reach = Reach::new(&metres, &triangles, &labels);
+        Ok(Template { vertices, triangles, labels, reach })
     }
 
     /// A posed person: the vertices of the fine skin in metres, standing on y = 0 with the hips over the origin.
     pub fn body(&self, person: &Person, pose: &Pose) -> Result<Vec<DVec3>, DataError> {
-        let rest = person.shape(&self.data)?;
-        let skeleton = Skeleton::of_shape(&self.data.bones, &rest);
-        let motions = skeleton.motions(&pose.turns(&skeleton));
-        let skin = self.skin.positions(&skinning::skin(&rest, &self.data.weights, &motions));
-        let hips = skeleton.find("pelvis").map_or(DVec3::ZERO, |b| motions[b].apply(skeleton.bones[b].head));
-        let floor = skin.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
-        Ok(skin.into_iter().map(|p| METRES * (p - DVec3::new(hips.x, floor, hips.z))).collect())
+        let rest = self.rest(person)?;
+        Ok(self.posed(&rest, &pose.turns(&rest.skeleton)).skin)
     }
+
+    /// A person before any pose.
+    pub fn rest(&self, person: &Person) -> Result<Rest, DataError> {
+        let shape = person.shape(&self.data)?;
+        Ok(Rest { skeleton: Skeleton::of_shape(&self.data.bones, &shape), shape })
+    }
+
+    /// A person with every bone turned as [`Skeleton::motions`] says.
+    pub fn posed(&self, rest: &Rest, turns: &[DQuat]) -> Posed {
+        let motions = rest.skeleton.motions(turns);
+        let skin = self.skin.positions(&skinning::skin(&rest.shape, &self.data.weights, &motions));
+        let hips = rest.skeleton.find("pelvis").map_or(DVec3::ZERO, |b| motions[b].apply(rest.skeleton.bones[b].head));
+        let origin = DVec3::new(hips.x, lowest(&skin), hips.z);
+        Posed { skin: placed(&skin, origin), origin }
+    }
+}
+
+fn lowest(points: &[DVec3]) -> f64 {
+    points.iter().map(|p| p.y).fold(f64::INFINITY, f64::min)
+}
+
+/// Decimetres from `origin` to metres.
+fn placed(points: &[DVec3], origin: DVec3) -> Vec<DVec3> {
+    points.iter().map(|&p| METRES * (p - origin)).collect()
+}
+
+/// For each of the points of a symmetric body the one nearest to its image in the plane x = 0.
+fn mirror_images(points: &[DVec3]) -> Vec<u32> {
+    let all: Vec<[f64; 3]> = points.iter().map(DVec3::to_array).collect();
+    let images: Vec<[f64; 3]> = all.iter().map(|&[x, y, z]| [-x, y, z]).collect();
+    let rows: Vec<u32> = (0..all.len() as u32).collect();
+    nearest_samples(&[&all[..], &images[..]].concat(), &rows).split_off(all.len())
 }

@@ -40,6 +40,11 @@ pub fn part_of_bone(bone: &str) -> usize {
     }
 }
 
+/// The same part of the other side; head and torso have none but their own.
+pub fn mirrored_part(label: u32) -> u32 {
+    if label < 2 { label } else { label ^ 1 }
+}
+
 /// A label per vertex: the part whose bones move it most.
 pub fn labels(bones: &[Bone], weights: &Weights) -> Vec<u32> {
     let parts: Vec<usize> = bones.iter().map(|b| part_of_bone(&b.name)).collect();
@@ -56,6 +61,14 @@ pub fn labels(bones: &[Bone], weights: &Weights) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_part_and_its_mirror_image_differ_in_their_side_alone() {
+        for (label, name) in PARTS.iter().enumerate() {
+            let other = PARTS[mirrored_part(label as u32) as usize];
+            assert_eq!(other, name.replace("left", "LEFT").replace("right", "left").replace("LEFT", "right"));
+        }
+    }
 
     #[test]
     fn every_bone_goes_to_its_own_side() {

@@ -27,6 +27,8 @@ pub struct Person {
     pub cup: f64,
     /// Shares of the African, Asian and Caucasian targets; they should sum to 1.
     pub ancestry: [f64; 3],
+    /// Detail targets (`nose/nose-volume-incr`) and their weights.
+    pub details: Vec<(String, f64)>,
 }
 
 impl Default for Person {
@@ -41,6 +43,7 @@ impl Default for Person {
             proportions: half,
             cup: half,
             ancestry: [1.0 / 3.0; 3],
+            details: Vec::new(),
         }
     }
 }
@@ -60,7 +63,7 @@ impl Person {
         let kinds = [(0.0, "uncommonproportions"), (0.5, ""), (1.0, "idealproportions")];
         let proportions = between(self.proportions, &kinds);
 
-        let mut terms = Vec::new();
+        let mut terms = self.details.clone();
         let mut add = |name: String, weight: f64| {
             if weight > 0.0 {
                 terms.push((name, weight));
@@ -94,7 +97,7 @@ impl Person {
     pub fn shape(&self, data: &BodyData) -> Result<Vec<DVec3>, DataError> {
         let mut shape = data.base.clone();
         for (name, weight) in self.terms() {
-            for (vertex, offset) in data.target(&name)? {
+            for &(vertex, offset) in data.target(&name)?.iter() {
                 shape[vertex as usize] += weight * offset;
             }
         }

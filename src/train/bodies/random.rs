@@ -1,0 +1,162 @@
+//! A random person in a random pose that could be: drawn again while the body passes through itself.
+
+use glam::DVec3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::chance::{happens, uniform};
+use super::data::DataError;
+use super::pose::Pose;
+use super::reach::Contact;
+use super::shape_mixture::Person;
+use super::touch::{Gesture, Limb, Place, Skin};
+use super::{BodyModel, METRES, Rest, Template};
+
+/// Share of bodies that touch themselves on purpose.
+const IN_CONTACT: f64 = 0.22;
+/// Largest share of the spots deep inside another part: eight of two thousand, a crease or two fingertips.
+const THROUGH: f64 = 0.004;
+/// Smallest share of the spots in contact for a gesture to count: a palm has about 1 %.
+const TOUCHING: f64 = 0.006;
+/// Poses tried before the person is given up, too.
+const POSES: usize = 10;
+
+/// A body drawn at random.
+pub struct RandomBody {
+    /// Who.
+    pub person: Person,
+    /// Doing what; with a gesture, the angles found for it.
+    pub pose: Pose,
+    /// Touching itself on purpose, and how.
+    pub gesture: Option<Gesture>,
+    /// Vertices of the fine skin in metres, standing on y = 0.
+    pub skin: Vec<DVec3>,
+    /// What the pose does to the body.
+    pub contact: Contact,
+    /// Poses tried, this one included.
+    pub tries: usize,
+}
+
+impl BodyModel {
+    /// The body of a seed: a fifth touch themselves on purpose. The same seed is always the same body.
+    pub fn random_body(&self, template: &Template, seed: u64) -> Result<RandomBody, DataError> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let in_contact = happens(&mut rng, IN_CONTACT);
+        self.draw_body(template, in_contact, &mut rng)
+    }
+
+    /// A body that touches itself on purpose, or one that need not.
+    pub fn draw_body(
+        &self,
+        template: &Template,
+        in_contact: bool,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<RandomBody, DataError> {
+        let mut tries = 0;
+        loop {
+            let person = Person::random(rng);
+            let rest = self.rest(&person)?;
+            let gesture = in_contact.then(|| Gesture::random(rng));
+            for _ in 0..POSES {
+                tries += 1;
+                let drawn = match gesture {
+                    Some(gesture) => self.gesture(template, &rest, gesture, rng),
+                    None => Some(Pose::random(rng)),
+                };
+                let Some(pose) = drawn else { continue };
+                let skin = self.posed(&rest, &pose.turns(&rest.skeleton)).skin;
+                let contact = template.reach.contact(&template.pick(&skin), &template.triangles);
+                if contact.through <= THROUGH && (gesture.is_none() || contact.touching >= TOUCHING) {
+                    return Ok(RandomBody { person, pose, gesture, skin, contact, tries });
+                }
+            }
+        }
+    }
+
+    /// A pose with this gesture, if the limbs get there.
+    fn gesture(&self, template: &Template, rest: &Rest, gesture: Gesture, rng: &mut ChaCha8Rng) -> Option<Pose> {
+        let mut pose = Pose::in_stance(gesture.stance(), rng);
+        pose.spine.forward = pose.spine.forward.clamp(-10.0, 35.0);
+        let palm = |side| Limb::palm(&self.data, &rest.shape, &rest.skeleton, side);
+        // Hands lie flat when they lie on something.
+        let flat = |pose: &mut Pose, side: usize, rng: &mut ChaCha8Rng| pose.arms[side].curl = uniform(rng, -14.0..8.0);
+        match gesture {
+            Gesture::Legs(_) => Some(pose),
+            Gesture::Tree => {
+                let side = usize::from(happens(rng, 0.5));
+                (pose.legs[1 - side].out, pose.legs[1 - side].raise) =
+                    (uniform(rng, -3.0..5.0), uniform(rng, -3.0..4.0));
+                let skin = self.skin_of(template, rest, &pose);
+                let goal = skin.inner_leg(1 - side, rng)?;
+                let sole = Limb::sole(&self.data, &rest.shape, &rest.skeleton, side)?;
+                self.reaching(&sole, &pose, rest, &skin, goal, rng)
+            }
+            Gesture::Hands(_, places) => {
+                for side in 0..2 {
+                    let Some(place) = places[side] else { continue };
+                    flat(&mut pose, side, rng);
+                    let skin = self.skin_of(template, rest, &pose);
+                    let goal = skin.place(place, side, rng)?;
+                    pose = self.reaching(&palm(side)?, &pose, rest, &skin, goal, rng)?;
+                }
+                Some(pose)
+            }
+            Gesture::ArmsCrossed => {
+                let first = usize::from(happens(rng, 0.5));
+                for arm in &mut pose.arms {
+                    (arm.raise, arm.forward) = (uniform(rng, 15.0..35.0), uniform(rng, 20.0..60.0));
+                    (arm.elbow, arm.twist) = (uniform(rng, 80.0..115.0), uniform(rng, 30.0..60.0));
+                }
+                for (side, place) in [(first, Place::UpperArm), (1 - first, Place::Forearm)] {
+                    flat(&mut pose, side, rng);
+                    let place = if happens(rng, 0.5) { place } else { Place::UpperArm };
+                    let skin = self.skin_of(template, rest, &pose);
+                    let goal = skin.place(place, side, rng)?;
+                    pose = self.reaching(&palm(side)?, &pose, rest, &skin, goal, rng)?;
+                }
+                Some(pose)
+            }
+            Gesture::Palms => {
+                for bend in [&mut pose.pelvis, &mut pose.spine] {
+                    (bend.left, bend.turn) = (0.0, 0.0);
+                }
+                flat(&mut pose, 0, rng);
+                let skin = self.skin_of(template, rest, &pose);
+                let goal = skin.before_chest(rng)?;
+                let mut pose = self.reaching(&palm(0)?, &pose, rest, &skin, goal, rng)?;
+                pose.arms[1] = pose.arms[0];
+                Some(pose)
+            }
+        }
+    }
+
+    fn reaching(
+        &self,
+        limb: &Limb,
+        pose: &Pose,
+        rest: &Rest,
+        skin: &Skin,
+        goal: super::touch::Goal,
+        rng: &mut ChaCha8Rng,
+    ) -> Option<Pose> {
+        let gap = uniform(rng, 0.02..0.09);
+        limb.touch(pose, &rest.skeleton, skin, goal, gap, rest.size(), rng)
+    }
+
+    /// The spots of a posed body, in decimetres.
+    fn skin_of<'a>(&self, template: &'a Template, rest: &Rest, pose: &Pose) -> Skin<'a> {
+        let posed = self.posed(rest, &pose.turns(&rest.skeleton));
+        let (places, normals) = template.reach.frames(&template.pick(&posed.skin), &template.triangles);
+        let places = places.into_iter().map(|p| p / METRES + posed.origin).collect();
+        Skin { reach: &template.reach, parts: &template.reach.parts, places, normals }
+    }
+}
+
+impl Rest {
+    /// Stature over that of an adult (1.7 m).
+    fn size(&self) -> f64 {
+        let skin = &self.shape[..super::data::BODY_VERTICES.min(self.shape.len())];
+        let (low, high) = skin.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.y), h.max(p.y)));
+        (high - low) * METRES / 1.7
+    }
+}
