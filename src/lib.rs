@@ -44,8 +44,10 @@ mod evaluate;
 mod features;
 mod fmap;
 mod graph;
+mod model;
 mod operators;
 mod options;
+mod parts;
 mod pipeline;
 mod prepared;
 mod progress;
@@ -62,16 +64,18 @@ mod write;
 
 pub use device::{Cpu, Device};
 pub use error::Error;
-pub use features::{PointFeatures, wave_kernel_signature};
+pub use features::{PointFeatures, ShapeInputs, wave_kernel_signature};
 pub use fmap::{
     Correspondence, EdgeDistances, FunctionalMap, Matchable, PartScores, Refinement, UNMATCHED, mean_error,
     part_scores, point_errors,
 };
 pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
+pub use model::{Embedding, ModelConfig, Network, Position, Source, Start, Weights, WeightsError};
 pub use operators::{
     Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,
 };
 pub use options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
+pub use parts::{GROUPS, PARTS};
 pub use pipeline::{Match, match_shapes, prepare};
 pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
 pub use progress::{Cancelled, Progress, Stage};

@@ -49,6 +49,16 @@ pub fn prepare(
     options: &PrepareOptions,
     progress: &mut Progress,
 ) -> Result<PreparedShape, Error> {
+    prepare_with_shape(shape, name, options, progress).map(|(prepared, _)| prepared)
+}
+
+/// [`prepare`], and the shape that operators were built on: its points are the carriers.
+pub(crate) fn prepare_with_shape(
+    shape: Shape,
+    name: Option<String>,
+    options: &PrepareOptions,
+    progress: &mut Progress,
+) -> Result<(PreparedShape, Shape), Error> {
     options.check()?;
     let as_read = shape;
     let mut repairs = as_read.repairs().to_vec();
@@ -131,7 +141,7 @@ pub fn prepare(
         residual: report.residual,
         seconds: progress.take_seconds(),
     };
-    Ok(PreparedShape { shape: as_read, info, repairs, basis, support, coarse, features })
+    Ok((PreparedShape { shape: as_read, info, repairs, basis, support, coarse, features }, operator_shape))
 }
 
 /// Features of both → functional maps both ways → refinement → correspondence of every uploaded point.

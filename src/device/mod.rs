@@ -5,6 +5,8 @@
 mod cpu;
 
 pub use cpu::Cpu;
+#[cfg(feature = "train")]
+pub(crate) use cpu::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, solve_rows, tanh};
 use ndarray::{Array2, ArrayView2};
 
 /// Dense f32 work on row-major matrices (one row per point).
@@ -30,6 +32,39 @@ pub trait Device {
     fn matmul_tn(&self, a: &Self::Tensor, b: &Self::Tensor) -> Self::Tensor;
     /// The first `count` columns: (n, k) → (n, count).
     fn leading_columns(&self, a: &Self::Tensor, count: usize) -> Self::Tensor;
+    /// a bᵀ: (n, k) × (m, k)ᵀ → (n, m).
+    fn matmul_nt(&self, a: &Self::Tensor, b: &Self::Tensor) -> Self::Tensor;
+    /// x w + b for every row of x: (n, c) × (c, d) + (1, d) → (n, d).
+    fn linear(&self, x: &Self::Tensor, weight: &Self::Tensor, bias: &Self::Tensor) -> Self::Tensor;
+    /// Every row shifted and scaled to mean 0 and variance 1, then times `gain` (1, c) plus `bias` (1, c).
+    fn layer_norm(&self, x: &Self::Tensor, gain: &Self::Tensor, bias: &Self::Tensor) -> Self::Tensor;
+    /// a ⊙ b, of equal shape.
+    fn multiply(&self, a: &Self::Tensor, b: &Self::Tensor) -> Self::Tensor;
+    /// max(x, 0).
+    fn relu(&self, x: &Self::Tensor) -> Self::Tensor;
+    /// tanh x.
+    fn tanh(&self, x: &Self::Tensor) -> Self::Tensor;
+    /// Heat spreads on coefficients: row i, column c of (k, c) times exp(−λ_i t_c). `lambda` (k, 1), `log_times` (1, c) the logarithms of t, so
+    /// that learned times stay positive.
+    fn diffuse(&self, x: &Self::Tensor, lambda: &Self::Tensor, log_times: &Self::Tensor) -> Self::Tensor;
+    /// Cross products g_i × g_j of all pairs of rows i < j, in lexicographic order: (q, 3) → (q(q−1)/2, 3).
+    fn cross_pairs(&self, g: &Self::Tensor) -> Self::Tensor;
+    /// Every row divided by its length; rows shorter than 1e-6 are divided by that.
+    fn normalize_rows(&self, x: &Self::Tensor) -> Self::Tensor;
+    /// Softmax over every row.
+    fn softmax_rows(&self, x: &Self::Tensor) -> Self::Tensor;
+    /// Attention with a soft mask: softmax over the keys of q kᵀ/√d + ln(p_q p_kᵀ + 1e-6), times v. `query` (n, d), `key` (m, d), `value` (m, e);
+    /// `query_parts` (n, c) and `key_parts` (m, c) are probabilities of parts, so the mask is the logarithm of the probability that a
+    /// query and a key share a part; with one-hot rows it is the hard mask of the paper (Sec. 3.3). Never holds (n, m).
+    fn attend(
+        &self,
+        query: (&Self::Tensor, &Self::Tensor),
+        key: (&Self::Tensor, &Self::Tensor),
+        value: &Self::Tensor,
+    ) -> Self::Tensor;
+    /// Rows c_i of a functional map, each its own solve: (S + diag(mask_i)) c_i = r_i. `gram` S (k, k) symmetric positive semi-definite, `right` (m, k),
+    /// `mask` (m, k) ≥ 0 → (m, k).
+    fn solve_rows(&self, gram: &Self::Tensor, right: &Self::Tensor, mask: &Self::Tensor) -> Self::Tensor;
     /// Matrices of equal row count side by side, each times its weight.
     fn concat(&self, parts: &[(&Self::Tensor, f32)]) -> Self::Tensor;
     /// a + weight·b, of equal shape.

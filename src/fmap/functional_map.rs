@@ -51,7 +51,7 @@ impl FunctionalMap {
 }
 
 /// Distance between the resolvents of two operators, entry by entry: small near the (slanted) diagonal. Shape (k_b, k_a).
-fn resolvent_mask(lambda_a: ArrayView1<f64>, lambda_b: ArrayView1<f64>) -> Array2<f64> {
+pub fn resolvent_mask(lambda_a: ArrayView1<f64>, lambda_b: ArrayView1<f64>) -> Array2<f64> {
     let largest = lambda_a.iter().chain(lambda_b.iter()).copied().fold(f64::MIN_POSITIVE, f64::max);
     // (λ^γ − i)⁻¹ with γ = ½, so λ^2γ = λ.
     let resolvent = |lambda: &f64| {

@@ -18,7 +18,7 @@ mod stretch;
 
 pub use correspondence::{Correspondence, UNMATCHED};
 pub use embedding::Matchable;
-pub use functional_map::FunctionalMap;
+pub use functional_map::{FunctionalMap, resolvent_mask};
 pub use initial::initial_maps;
 pub use landmarks::{landmark_functions, part_functions};
 pub use lifting::lift;

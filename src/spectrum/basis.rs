@@ -1,6 +1,6 @@
 //! The first eigenfunctions of a Laplacian as a basis for functions on a shape.
 
-use ndarray::{Array1, Array2, ArrayView2, Axis};
+use ndarray::{Array1, Array2, ArrayView2, Axis, s};
 
 /// Φ (n, k) with ΦᵀMΦ = I, eigenvalues λ (k) ascending in 1/unit², and the mass M (n) in unit².
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,15 @@ impl SpectralBasis {
     /// Number of eigenpairs k.
     pub fn k(&self) -> usize {
         self.eigenvectors.ncols()
+    }
+
+    /// The first k pairs only.
+    pub fn truncated(&self, k: usize) -> Self {
+        Self {
+            eigenvalues: self.eigenvalues.slice(s![..k]).to_owned(),
+            eigenvectors: self.eigenvectors.slice(s![.., ..k]).to_owned(),
+            mass: self.mass.clone(),
+        }
     }
 
     /// Coefficients of point functions: ΦᵀMf. Shapes: (n, c) → (k, c). Mass-weighted, so that projecting a

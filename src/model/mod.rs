@@ -1,0 +1,9 @@
+//! The network as a whole: its configuration, its named weights, its forward pass.
+
+mod config;
+mod network;
+mod weights;
+
+pub use config::{ModelConfig, Position};
+pub use network::{Embedding, Network};
+pub use weights::{Source, Start, Weights, WeightsError};

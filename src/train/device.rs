@@ -1,0 +1,371 @@
+//! Automatic differentiation as a [`Device`]: the tensors are candle's, so that the one forward pass is also the one that is trained.
+//!
+//! Ops that candle would make of many passes over memory, or has no backward pass for, are one op here: their forward is the CPU kernel that ships,
+//! their backward is written beside it and checked by finite differences.
+
+use candle_core::{CpuStorage, CustomOp1, CustomOp2, CustomOp3, Layout, Shape, Tensor};
+use ndarray::{Array2, ArrayView2, Axis};
+
+use crate::device::{Cpu, Device};
+
+/// The device that trains.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Autodiff;
+
+/// Fails only for shapes that do not fit, which is a bug of the caller here as on every device.
+fn done(result: candle_core::Result<Tensor>) -> Tensor {
+    result.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A matrix as a tensor.
+pub fn tensor(matrix: ArrayView2<f32>) -> Tensor {
+    let values: Vec<f32> = matrix.iter().copied().collect();
+    done(Tensor::from_vec(values, matrix.dim(), &candle_core::Device::Cpu))
+}
+
+/// A tensor as a matrix.
+pub fn matrix(tensor: &Tensor) -> Array2<f32> {
+    let (rows, cols) = tensor.dims2().expect("tensors here are matrices");
+    let values = tensor.flatten_all().and_then(|flat| flat.to_vec1()).expect("f32 on the CPU");
+    Array2::from_shape_vec((rows, cols), values).expect("as many values as the shape says")
+}
+
+impl Device for Autodiff {
+    type Tensor = Tensor;
+    type Indices = Vec<u32>;
+
+    fn upload(&self, matrix: ArrayView2<f32>) -> Tensor {
+        tensor(matrix)
+    }
+
+    async fn download(&self, tensor: &Tensor) -> Array2<f32> {
+        matrix(tensor)
+    }
+
+    async fn download_indices(&self, indices: &Vec<u32>) -> Vec<u32> {
+        indices.clone()
+    }
+
+    fn matmul(&self, a: &Tensor, b: &Tensor) -> Tensor {
+        done(a.matmul(b))
+    }
+
+    fn matmul_tn(&self, a: &Tensor, b: &Tensor) -> Tensor {
+        done(a.t().and_then(|a| a.matmul(b)))
+    }
+
+    fn matmul_nt(&self, a: &Tensor, b: &Tensor) -> Tensor {
+        done(b.t().and_then(|b| a.matmul(&b)))
+    }
+
+    fn linear(&self, x: &Tensor, weight: &Tensor, bias: &Tensor) -> Tensor {
+        done(x.matmul(weight).and_then(|y| y.broadcast_add(bias)))
+    }
+
+    fn layer_norm(&self, x: &Tensor, gain: &Tensor, bias: &Tensor) -> Tensor {
+        let normal = done(x.contiguous().and_then(|x| x.apply_op1(NormalRows)));
+        done(normal.broadcast_mul(gain).and_then(|y| y.broadcast_add(bias)))
+    }
+
+    fn multiply(&self, a: &Tensor, b: &Tensor) -> Tensor {
+        done(a * b)
+    }
+
+    fn relu(&self, x: &Tensor) -> Tensor {
+        done(x.relu())
+    }
+
+    fn tanh(&self, x: &Tensor) -> Tensor {
+        done(x.contiguous().and_then(|x| x.apply_op1(Tanh)))
+    }
+
+    fn diffuse(&self, x: &Tensor, lambda: &Tensor, log_times: &Tensor) -> Tensor {
+        let decay = log_times.exp().and_then(|times| lambda.matmul(&times)).and_then(|rate| rate.neg()?.exp());
+        done(decay.and_then(|decay| x * decay))
+    }
+
+    fn cross_pairs(&self, g: &Tensor) -> Tensor {
+        done(g.contiguous().and_then(|g| g.apply_op1(CrossPairs)))
+    }
+
+    fn normalize_rows(&self, x: &Tensor) -> Tensor {
+        done(x.contiguous().and_then(|x| x.apply_op1(UnitRows)))
+    }
+
+    fn softmax_rows(&self, x: &Tensor) -> Tensor {
+        done(x.contiguous().and_then(|x| x.apply_op1(SoftmaxRows)))
+    }
+
+    fn attend(
+        &self,
+        (query, query_parts): (&Tensor, &Tensor),
+        (key, key_parts): (&Tensor, &Tensor),
+        value: &Tensor,
+    ) -> Tensor {
+        let scale = 1.0 / (query.dims()[1] as f64).sqrt();
+        let scores = self.matmul_nt(query, key);
+        let shared = self.matmul_nt(query_parts, key_parts);
+        let masked = scores.affine(scale, 0.0).and_then(|scores| scores + shared.affine(1.0, 1e-6)?.log()?);
+        self.matmul(&self.softmax_rows(&done(masked)), value)
+    }
+
+    fn solve_rows(&self, gram: &Tensor, right: &Tensor, mask: &Tensor) -> Tensor {
+        let contiguous = |t: &Tensor| done(t.contiguous());
+        done(contiguous(gram).apply_op3(&contiguous(right), &contiguous(mask), SolveRows))
+    }
+
+    fn leading_columns(&self, a: &Tensor, count: usize) -> Tensor {
+        done(a.narrow(1, 0, count).and_then(|a| a.contiguous()))
+    }
+
+    fn concat(&self, parts: &[(&Tensor, f32)]) -> Tensor {
+        let scaled: Vec<Tensor> = parts
+            .iter()
+            .map(|&(part, weight)| if weight == 1.0 { part.clone() } else { done(part.affine(f64::from(weight), 0.0)) })
+            .collect();
+        done(Tensor::cat(&scaled, 1))
+    }
+
+    fn add(&self, a: &Tensor, b: &Tensor, weight: f32) -> Tensor {
+        if weight == 1.0 { done(a + b) } else { done(b.affine(f64::from(weight), 0.0).and_then(|b| a + b)) }
+    }
+
+    fn gather(&self, a: &Tensor, rows: &Vec<u32>) -> Tensor {
+        let index = Tensor::new(rows.as_slice(), &candle_core::Device::Cpu);
+        done(index.and_then(|index| a.contiguous()?.index_select(&index, 0)))
+    }
+
+    fn nearest_rows(&self, x: &Tensor, y: &Tensor, parts: Option<(&[u32], &[u32])>) -> (Vec<u32>, Vec<u32>) {
+        Cpu.nearest_rows(&matrix(x), &matrix(y), parts)
+    }
+}
+
+/// A contiguous matrix that an op was given.
+fn view<'a>(storage: &'a CpuStorage, layout: &Layout) -> candle_core::Result<ArrayView2<'a, f32>> {
+    let (rows, cols) = layout.shape().dims2()?;
+    let (start, end) = layout
+        .contiguous_offsets()
+        .ok_or_else(|| candle_core::Error::Msg("ops here take contiguous matrices".into()))?;
+    ArrayView2::from_shape((rows, cols), &storage.as_slice::<f32>()?[start..end])
+        .map_err(|error| candle_core::Error::Msg(error.to_string()))
+}
+
+fn stored(matrix: Array2<f32>) -> (CpuStorage, Shape) {
+    let shape = Shape::from(matrix.dim());
+    (CpuStorage::F32(matrix.into_iter().collect()), shape)
+}
+
+/// Applies a function of two matrices that needs no gradient of its own.
+struct Plain<F>(F);
+
+impl<F: Fn(ArrayView2<f32>, ArrayView2<f32>) -> Array2<f32>> CustomOp2 for Plain<F> {
+    fn name(&self) -> &'static str {
+        "backward pass"
+    }
+
+    fn cpu_fwd(
+        &self,
+        a: &CpuStorage,
+        la: &Layout,
+        b: &CpuStorage,
+        lb: &Layout,
+    ) -> candle_core::Result<(CpuStorage, Shape)> {
+        Ok(stored(self.0(view(a, la)?, view(b, lb)?)))
+    }
+}
+
+fn plain(
+    a: &Tensor,
+    b: &Tensor,
+    function: impl Fn(ArrayView2<f32>, ArrayView2<f32>) -> Array2<f32> + Send + Sync + 'static,
+) -> candle_core::Result<Option<Tensor>> {
+    Ok(Some(a.contiguous()?.apply_op2_no_bwd(&b.contiguous()?, &Plain(function))?))
+}
+
+/// Rows to mean 0, variance 1.
+struct NormalRows;
+
+impl CustomOp1 for NormalRows {
+    fn name(&self) -> &'static str {
+        "normal rows"
+    }
+
+    fn cpu_fwd(&self, x: &CpuStorage, layout: &Layout) -> candle_core::Result<(CpuStorage, Shape)> {
+        let x = view(x, layout)?;
+        let (gain, bias) = (Array2::ones((1, x.ncols())), Array2::zeros((1, x.ncols())));
+        Ok(stored(crate::device::layer_norm(x, gain.view(), bias.view())))
+    }
+
+    fn bwd(&self, x: &Tensor, y: &Tensor, grad: &Tensor) -> candle_core::Result<Option<Tensor>> {
+        // The scale of each row again, from the argument.
+        let scale = x.contiguous()?.apply_op2_no_bwd(
+            &x.contiguous()?,
+            &Plain(|x: ArrayView2<f32>, _: ArrayView2<f32>| {
+                x.map_axis(Axis(1), |row| {
+                    let mean = row.sum() / row.len() as f32;
+                    let variance = row.iter().map(|v| (v - mean) * (v - mean)).sum::<f32>() / row.len() as f32;
+                    (variance + crate::device::EPSILON).sqrt().recip()
+                })
+                .insert_axis(Axis(1))
+            }),
+        )?;
+        let direction = plain(y, grad, |y, grad| {
+            let mut out = grad.to_owned();
+            for (mut row, y) in out.rows_mut().into_iter().zip(y.rows()) {
+                let count = y.len() as f32;
+                let (mean, along) = (row.sum() / count, row.dot(&y) / count);
+                row.zip_mut_with(&y, |g, y| *g -= mean + along * y);
+            }
+            out
+        })?;
+        direction.map(|direction| direction.broadcast_mul(&scale)).transpose()
+    }
+}
+
+/// tanh by the kernel that ships, several times faster than the library's.
+struct Tanh;
+
+impl CustomOp1 for Tanh {
+    fn name(&self) -> &'static str {
+        "tanh"
+    }
+
+    fn cpu_fwd(&self, x: &CpuStorage, layout: &Layout) -> candle_core::Result<(CpuStorage, Shape)> {
+        Ok(stored(crate::device::tanh(view(x, layout)?)))
+    }
+
+    fn bwd(&self, _: &Tensor, y: &Tensor, grad: &Tensor) -> candle_core::Result<Option<Tensor>> {
+        plain(y, grad, |y, grad| {
+            let mut out = grad.to_owned();
+            out.zip_mut_with(&y, |g, y| *g *= 1.0 - y * y);
+            out
+        })
+    }
+}
+
+/// Rows to length 1.
+struct UnitRows;
+
+impl CustomOp1 for UnitRows {
+    fn name(&self) -> &'static str {
+        "unit rows"
+    }
+
+    fn cpu_fwd(&self, x: &CpuStorage, layout: &Layout) -> candle_core::Result<(CpuStorage, Shape)> {
+        Ok(stored(crate::device::normalize_rows(view(x, layout)?)))
+    }
+
+    fn bwd(&self, x: &Tensor, _: &Tensor, grad: &Tensor) -> candle_core::Result<Option<Tensor>> {
+        plain(x, grad, |x, grad| {
+            let mut out = grad.to_owned();
+            for (mut row, x) in out.rows_mut().into_iter().zip(x.rows()) {
+                let length = x.dot(&x).sqrt();
+                if length > crate::device::SHORTEST {
+                    let along = row.dot(&x) / (length * length);
+                    row.zip_mut_with(&x, |g, x| *g = (*g - along * x) / length);
+                } else {
+                    row /= crate::device::SHORTEST;
+                }
+            }
+            out
+        })
+    }
+}
+
+/// Softmax over each row.
+struct SoftmaxRows;
+
+impl CustomOp1 for SoftmaxRows {
+    fn name(&self) -> &'static str {
+        "softmax"
+    }
+
+    fn cpu_fwd(&self, x: &CpuStorage, layout: &Layout) -> candle_core::Result<(CpuStorage, Shape)> {
+        Ok(stored(crate::device::softmax_rows(view(x, layout)?)))
+    }
+
+    fn bwd(&self, _: &Tensor, y: &Tensor, grad: &Tensor) -> candle_core::Result<Option<Tensor>> {
+        plain(y, grad, |y, grad| {
+            let mut out = grad.to_owned();
+            for (mut row, y) in out.rows_mut().into_iter().zip(y.rows()) {
+                let along = row.dot(&y);
+                row.zip_mut_with(&y, |g, y| *g = (*g - along) * y);
+            }
+            out
+        })
+    }
+}
+
+/// Cross products of all pairs of rows.
+struct CrossPairs;
+
+impl CustomOp1 for CrossPairs {
+    fn name(&self) -> &'static str {
+        "cross pairs"
+    }
+
+    fn cpu_fwd(&self, g: &CpuStorage, layout: &Layout) -> candle_core::Result<(CpuStorage, Shape)> {
+        Ok(stored(crate::device::cross_pairs(view(g, layout)?)))
+    }
+
+    fn bwd(&self, g: &Tensor, _: &Tensor, grad: &Tensor) -> candle_core::Result<Option<Tensor>> {
+        plain(g, grad, |g, grad| {
+            let cross = |a: [f32; 3], b: [f32; 3]| {
+                [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+            };
+            let row = |m: &ArrayView2<f32>, i: usize| [m[(i, 0)], m[(i, 1)], m[(i, 2)]];
+            let q = g.nrows();
+            let mut out = Array2::zeros(g.dim());
+            let mut pair = 0;
+            for i in 0..q {
+                for j in i + 1..q {
+                    // d(a × b)·u = da·(b × u) + db·(u × a).
+                    let up = row(&grad, pair);
+                    let (to_a, to_b) = (cross(row(&g, j), up), cross(up, row(&g, i)));
+                    for c in 0..3 {
+                        out[(i, c)] += to_a[c];
+                        out[(j, c)] += to_b[c];
+                    }
+                    pair += 1;
+                }
+            }
+            out
+        })
+    }
+}
+
+/// Rows of a functional map.
+struct SolveRows;
+
+impl CustomOp3 for SolveRows {
+    fn name(&self) -> &'static str {
+        "solve rows"
+    }
+
+    fn cpu_fwd(
+        &self,
+        gram: &CpuStorage,
+        lg: &Layout,
+        right: &CpuStorage,
+        lr: &Layout,
+        mask: &CpuStorage,
+        lm: &Layout,
+    ) -> candle_core::Result<(CpuStorage, Shape)> {
+        Ok(stored(crate::device::solve_rows(view(gram, lg)?, view(right, lr)?, view(mask, lm)?)))
+    }
+
+    /// With y_i = (S + diag m_i)⁻¹ ∂c_i: ∂r_i = y_i and ∂S = −Σ y_i c_iᵀ. The mask is not learned.
+    fn bwd(
+        &self,
+        gram: &Tensor,
+        _: &Tensor,
+        mask: &Tensor,
+        solved: &Tensor,
+        grad: &Tensor,
+    ) -> candle_core::Result<(Option<Tensor>, Option<Tensor>, Option<Tensor>)> {
+        let grad = grad.contiguous()?;
+        let to_right = gram.contiguous()?.apply_op3_no_bwd(&grad, &mask.contiguous()?, &SolveRows)?;
+        let to_gram = to_right.t()?.matmul(solved)?.neg()?;
+        Ok((Some(to_gram), Some(to_right), None))
+    }
+}

@@ -1,0 +1,218 @@
+//! What training minimises. Everything is a tensor of one value, differentiable in features and logits.
+//!
+//! The paper's three losses stand beside those that work (its own alone do not train: the optimum of L_geo is F = ±Φ, which matches nothing).
+//! [`LossWeights`] says how much each counts.
+
+use candle_core::{D, Result, Tensor};
+use ndarray::{Array2, ArrayView1, ArrayView2};
+
+use super::device::{Autodiff, tensor};
+use crate::device::Device;
+use crate::fmap::resolvent_mask;
+
+/// How much each loss counts.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LossWeights {
+    /// Cross-entropy of the parts.
+    pub parts: f64,
+    /// ‖C_ab C_ba − I‖², both ways round.
+    pub bijectivity: f64,
+    /// ‖CᵀC − I‖² of both maps.
+    pub orthogonality: f64,
+    /// ‖C − Φ⁺ΠΦ‖² between the functional map and the soft point map.
+    pub coupling: f64,
+    /// L_sem (paper Sec. 3.4.2).
+    pub semantic: f64,
+    /// L_geo (paper Sec. 3.4.1).
+    pub eigen: f64,
+    /// L_orth (paper Sec. 3.4.1).
+    pub features_orthogonal: f64,
+    /// Temperature of the soft point map in the coupling.
+    pub temperature: f64,
+    /// Temperature in L_sem.
+    pub semantic_temperature: f64,
+}
+
+impl Default for LossWeights {
+    /// The configuration that works.
+    fn default() -> Self {
+        Self {
+            parts: 1.0,
+            bijectivity: 1.0,
+            orthogonality: 1.0,
+            coupling: 1.0,
+            semantic: 0.5,
+            eigen: 0.0,
+            features_orthogonal: 0.0,
+            temperature: 0.07,
+            semantic_temperature: 0.07,
+        }
+    }
+}
+
+impl LossWeights {
+    /// As printed: β 1 and 0.5, α 1 and 50, τ 0.1, and nothing else.
+    pub fn paper() -> Self {
+        Self {
+            parts: 0.0,
+            bijectivity: 0.0,
+            orthogonality: 0.0,
+            coupling: 0.0,
+            semantic: 0.5,
+            eigen: 1.0,
+            features_orthogonal: 50.0,
+            temperature: 0.1,
+            semantic_temperature: 0.1,
+        }
+    }
+}
+
+/// One shape of a pair, as losses see it.
+pub struct Side<'a> {
+    /// Features (n, f) of unit length.
+    pub features: &'a Tensor,
+    /// Part logits (n, 14).
+    pub logits: &'a Tensor,
+    /// Part labels as one-hot rows (n, 14).
+    pub labels: &'a Tensor,
+    /// Φ (n, k).
+    pub phi: &'a Tensor,
+    /// MΦ (n, k).
+    pub projector: &'a Tensor,
+    /// λ (k).
+    pub lambda: &'a [f64],
+}
+
+/// A loss by name, before its weight.
+pub type Terms = Vec<(&'static str, f64, Tensor)>;
+
+/// All losses of a pair that count; without functional maps only those of the parts.
+pub fn losses(weights: &LossWeights, a: &Side, b: &Side, maps: bool) -> Result<Terms> {
+    let mut terms = Vec::new();
+    if weights.parts > 0.0 {
+        let both = (cross_entropy(a.logits, a.labels)? + cross_entropy(b.logits, b.labels)?)?;
+        terms.push(("parts", weights.parts, both.affine(0.5, 0.0)?));
+    }
+    let scores = b.features.matmul(&a.features.t()?)?;
+    let soft_maps = |temperature: f64| -> Result<[Tensor; 2]> {
+        let sharp = scores.affine(1.0 / temperature, 0.0)?;
+        Ok([Autodiff.softmax_rows(&sharp), Autodiff.softmax_rows(&sharp.t()?)])
+    };
+    let couples = maps && weights.coupling > 0.0;
+    let coupled = couples.then(|| soft_maps(weights.temperature)).transpose()?;
+    if weights.semantic > 0.0 {
+        let [to_a, to_b] = match &coupled {
+            Some(soft) if weights.semantic_temperature == weights.temperature => soft.clone(),
+            _ => soft_maps(weights.semantic_temperature)?,
+        };
+        let both = (semantic(&to_a, b.labels, a.labels)? + semantic(&to_b, a.labels, b.labels)?)?;
+        terms.push(("semantic", weights.semantic, both.affine(0.5, 0.0)?));
+    }
+    if weights.eigen > 0.0 {
+        terms.push(("eigen", weights.eigen, (eigen(a)? + eigen(b)?)?.affine(0.5, 0.0)?));
+    }
+    if weights.features_orthogonal > 0.0 {
+        let both = (features_orthogonal(a)? + features_orthogonal(b)?)?;
+        terms.push(("features_orthogonal", weights.features_orthogonal, both.affine(0.5, 0.0)?));
+    }
+    if !maps || weights.bijectivity + weights.orthogonality + weights.coupling == 0.0 {
+        return Ok(terms);
+    }
+    let [c_ab, c_ba] = functional_maps(a, b)?;
+    let k = a.lambda.len() as f64;
+    let from_identity = |product: Tensor| -> Result<Tensor> {
+        let identity = tensor(Array2::eye(product.dims()[0]).view());
+        (product - identity)?.sqr()?.sum_all()?.affine(1.0 / k, 0.0)
+    };
+    if weights.bijectivity > 0.0 {
+        let both = (from_identity(c_ab.matmul(&c_ba)?)? + from_identity(c_ba.matmul(&c_ab)?)?)?;
+        terms.push(("bijectivity", weights.bijectivity, both));
+    }
+    if weights.orthogonality > 0.0 {
+        let both = (from_identity(c_ab.t()?.matmul(&c_ab)?)? + from_identity(c_ba.t()?.matmul(&c_ba)?)?)?;
+        terms.push(("orthogonality", weights.orthogonality, both));
+    }
+    if let Some([to_a, to_b]) = coupled {
+        let of_points = |side: &Side, soft: &Tensor, other: &Side| -> Result<Tensor> {
+            side.projector.t()?.matmul(&soft.matmul(other.phi)?)
+        };
+        let apart = |c: &Tensor, p: Tensor| (c - p)?.sqr()?.sum_all()?.affine(1.0 / k, 0.0);
+        let both = (apart(&c_ab, of_points(b, &to_a, a)?)? + apart(&c_ba, of_points(a, &to_b, b)?)?)?;
+        terms.push(("coupling", weights.coupling, both));
+    }
+    Ok(terms)
+}
+
+/// C_ab and C_ba from the features (paper Sec. 3.3, with the resolvent mask).
+pub fn functional_maps(a: &Side, b: &Side) -> Result<[Tensor; 2]> {
+    let project = |side: &Side| side.projector.t()?.matmul(side.features);
+    let (g_a, g_b) = (project(a)?, project(b)?);
+    let solve = |from: &Tensor, to: &Tensor, lambda_from: &[f64], lambda_to: &[f64]| -> Result<Tensor> {
+        // Features of unit length on unit area: the Gram matrix has trace 1 at most, so this makes its mean diagonal about 1.
+        let scale = lambda_from.len() as f64;
+        let gram = from.matmul(&from.t()?)?.affine(scale, 0.0)?;
+        let right = to.matmul(&from.t()?)?.affine(scale, 0.0)?;
+        let mask = resolvent_mask(ArrayView1::from(lambda_from), ArrayView1::from(lambda_to));
+        Ok(Autodiff.solve_rows(&gram, &right, &tensor(mask.mapv(|v| v as f32).view())))
+    };
+    Ok([solve(&g_a, &g_b, a.lambda, b.lambda)?, solve(&g_b, &g_a, b.lambda, a.lambda)?])
+}
+
+/// Mean of −ln p at the right part.
+pub fn cross_entropy(logits: &Tensor, labels: &Tensor) -> Result<Tensor> {
+    let most = logits.max_keepdim(D::Minus1)?.detach();
+    let shifted = logits.broadcast_sub(&most)?;
+    let total = shifted.exp()?.sum_keepdim(D::Minus1)?.log()?;
+    let chosen = (shifted * labels)?.sum_keepdim(D::Minus1)?;
+    (total - chosen)?.mean_all()
+}
+
+/// L_sem: how much of each row's soft match goes to points of other parts. `soft` (n, m) has a row per point that is matched; the paper's C is this with
+/// B's points as rows, and its indices i and j the other way round. Taken in both directions.
+fn semantic(soft: &Tensor, of_rows: &Tensor, of_columns: &Tensor) -> Result<Tensor> {
+    // Σ_j C_ij [y_i = y_j] as (C Y) ⊙ Y, so that no (n, m) mask is made.
+    let same = (soft.matmul(of_columns)? * of_rows)?.sum_all()?;
+    same.affine(-1.0 / soft.dims()[0] as f64, 1.0)
+}
+
+/// L_geo, with the columns of F as its "eigenvector-aligned embeddings": the i-th column should be an eigenfunction of the i-th eigenvalue. Written on
+/// coefficients, where L is diagonal: Σ_i ω_i Σ_j (λ_j − λ_i)² G_ji², ω_i = exp(−i/10). What F holds outside the basis is not seen.
+fn eigen(side: &Side) -> Result<Tensor> {
+    let k = side.lambda.len();
+    let coefficients = side.projector.t()?.matmul(side.features)?;
+    let columns = coefficients.dims()[1].min(k);
+    let weight = Array2::from_shape_fn((k, columns), |(j, i)| {
+        let apart = side.lambda[j] - side.lambda[i];
+        ((-(i as f64) / 10.0).exp() * apart * apart) as f32
+    });
+    (coefficients.narrow(1, 0, columns)?.sqr()? * tensor(weight.view()))?.sum_all()
+}
+
+/// L_orth: the first k columns of F orthonormal under the mass, column i weighing 1/i.
+fn features_orthogonal(side: &Side) -> Result<Tensor> {
+    let k = side.lambda.len();
+    let coefficients = side.projector.t()?.matmul(side.features)?;
+    let columns = coefficients.dims()[1].min(k);
+    let g = coefficients.narrow(1, 0, columns)?;
+    let gram = g.t()?.matmul(&g)?;
+    let weight = Array2::from_shape_fn((columns, columns), |(i, _)| 1.0 / (i + 1) as f32);
+    let apart = (gram - tensor(Array2::eye(columns).view()))?.sqr()?;
+    (apart * tensor(weight.view()))?.sum_all()
+}
+
+/// Labels as one-hot rows.
+pub fn one_hot(labels: &[u32], parts: usize) -> Array2<f32> {
+    let mut rows = Array2::zeros((labels.len(), parts));
+    labels.iter().enumerate().for_each(|(i, &label)| rows[(i, label as usize)] = 1.0);
+    rows
+}
+
+/// Share of rows whose largest logit is at their label.
+pub fn part_accuracy(logits: ArrayView2<f32>, labels: &[u32]) -> f64 {
+    let right = logits.rows().into_iter().zip(labels).filter(|(row, label)| {
+        let best = (0..row.len()).max_by(|&i, &j| row[i].total_cmp(&row[j]));
+        best == Some(**label as usize)
+    });
+    right.count() as f64 / labels.len().max(1) as f64
+}

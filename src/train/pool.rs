@@ -1,0 +1,111 @@
+//! The bodies that training draws from: made once, kept on disk, the same for every run of a seed.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+use std::{fs, io};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::bodies::scan::ScanOptions;
+use super::bodies::{BodyModel, Template};
+use super::sample::Sample;
+use crate::model::ModelConfig;
+use crate::operators::LaplacianKind;
+
+/// Seeds from here on belong to bodies held out for measuring.
+pub const HELD_OUT: u64 = 800_000;
+
+/// A folder of samples, `count` of them, being filled from the front.
+pub struct Pool {
+    folder: PathBuf,
+    /// How many there will be.
+    pub count: usize,
+}
+
+/// What samples are made from.
+pub struct Maker<'a> {
+    /// The generator.
+    pub model: &'a BodyModel,
+    /// Its mesh.
+    pub template: &'a Template,
+    /// Sizes that the network asks for.
+    pub config: &'a ModelConfig,
+    /// Points of a scan.
+    pub points: usize,
+}
+
+impl Pool {
+    /// In `folder`, which is made where it is missing.
+    pub fn open(folder: &Path, count: usize) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        Ok(Self { folder: folder.to_owned(), count })
+    }
+
+    fn path(&self, index: usize) -> PathBuf {
+        self.folder.join(format!("{index:06}.sample"))
+    }
+
+    /// Sample `index`; waits until it was made.
+    pub fn get(&self, index: usize) -> io::Result<Sample> {
+        let path = self.path(index);
+        for _ in 0..6000 {
+            if path.exists() {
+                return Sample::load(&path);
+            }
+            thread::sleep(Duration::from_millis(50));
+        }
+        Err(io::Error::new(io::ErrorKind::TimedOut, format!("{} was not made within five minutes", path.display())))
+    }
+
+    /// Makes what is missing, in order, on the threads that call; `next` is where they agree on who makes what.
+    pub fn fill(&self, maker: &Maker, next: &AtomicUsize, stop: &AtomicBool) {
+        while !stop.load(Ordering::Relaxed) {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= self.count {
+                return;
+            }
+            if self.path(index).exists() {
+                continue;
+            }
+            let mut seed = index as u64;
+            loop {
+                match maker.sample(seed).map(|sample| sample.save(&self.path(index))) {
+                    Ok(Ok(())) => break,
+                    Ok(Err(error)) => return eprintln!("{}: {error}", self.path(index).display()),
+                    // A body that cannot be used: another one of a seed that no index has.
+                    Err(error) => {
+                        eprintln!("body {seed}: {error}");
+                        seed += HELD_OUT / 8;
+                        if seed >= HELD_OUT {
+                            return;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Maker<'_> {
+    /// The sample of a seed: a scan of a random body with the operator that such a scan would get, or for a part of the clouds another one, because
+    /// weights trained on one operator alone fail on others.
+    pub fn sample(&self, seed: u64) -> Result<Sample, String> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        // Another stream than the one the scan is drawn from.
+        rng.set_stream(1);
+        // Different numbers of points, independently for the two shapes of a pair.
+        let points = (self.points as f64 * (0.75 + 0.5 * rng.random::<f64>())) as usize;
+        let options = ScanOptions { points, ..ScanOptions::default() };
+        let (scan, _) = self.model.scan(self.template, seed, &options).map_err(|error| error.to_string())?;
+        let kind = match rng.random::<f64>() {
+            _ if !scan.shape.faces().is_empty() => None,
+            x if x < 0.12 => Some(LaplacianKind::Euclidean),
+            x if x < 0.2 => Some(LaplacianKind::GeodesicLiteral),
+            _ => None,
+        };
+        Sample::new(scan.shape, kind, self.config).map_err(|error| error.to_string())
+    }
+}

@@ -1,0 +1,230 @@
+//! The training loop: one run, resumable at any step.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+use super::losses::LossWeights;
+use super::parameters::Parameters;
+use super::pool::Pool;
+use super::step::Forward;
+use crate::model::{ModelConfig, Network, Weights, WeightsError};
+
+/// Everything that decides the outcome of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RunConfig {
+    /// Steps in all.
+    pub steps: usize,
+    /// Pairs a step.
+    pub batch: usize,
+    /// Learning rate at its highest.
+    pub rate: f32,
+    /// How it falls.
+    pub schedule: Schedule,
+    /// Steps over which the rate rises.
+    pub warm_up: usize,
+    /// Weight decay.
+    pub decay: f32,
+    /// Longest gradient.
+    pub clip: f32,
+    /// Step from which functional maps count.
+    pub maps_from: usize,
+    /// What is minimised.
+    pub losses: LossWeights,
+    /// Of parameters and pairs.
+    pub seed: u64,
+}
+
+/// How the learning rate falls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Schedule {
+    /// To nothing, along half a cosine.
+    Cosine,
+    /// Halved in the middle of the run, as the paper's every 50 of 100 epochs.
+    Halved,
+}
+
+impl Default for RunConfig {
+    fn default() -> Self {
+        Self {
+            steps: 12_000,
+            batch: 1,
+            rate: 2e-3,
+            schedule: Schedule::Cosine,
+            warm_up: 50,
+            decay: 1e-4,
+            clip: 1.0,
+            maps_from: 300,
+            losses: LossWeights::default(),
+            seed: 1,
+        }
+    }
+}
+
+impl RunConfig {
+    /// The paper's: Adam 1e-3 halved every 50 of 100 epochs, batches of 8.
+    pub fn paper() -> Self {
+        Self {
+            batch: 8,
+            rate: 1e-3,
+            schedule: Schedule::Halved,
+            warm_up: 0,
+            decay: 0.0,
+            clip: f32::INFINITY,
+            maps_from: 0,
+            losses: LossWeights::paper(),
+            ..Self::default()
+        }
+    }
+
+    fn rate_at(&self, step: usize) -> f32 {
+        let done = step as f32 / self.steps.max(1) as f32;
+        let rise = if step < self.warm_up { (step + 1) as f32 / self.warm_up as f32 } else { 1.0 };
+        let fall = match self.schedule {
+            Schedule::Cosine => 0.5 + 0.5 * (std::f32::consts::PI * done.min(1.0)).cos(),
+            Schedule::Halved if done < 0.5 => 1.0,
+            Schedule::Halved => 0.5,
+        };
+        self.rate * rise * fall
+    }
+}
+
+/// Why a run ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A file.
+    #[error("{0}")]
+    File(#[from] io::Error),
+    /// Weights that do not fit.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// The autodiff library.
+    #[error("{0}")]
+    Tensor(#[from] candle_core::Error),
+    /// Every gradient of many steps was not finite.
+    #[error("the gradients were not finite for {0} steps in a row")]
+    NotFinite(usize),
+}
+
+/// Steps between lines of the log, and between checkpoints.
+const LOG: usize = 20;
+const CHECKPOINT: usize = 200;
+/// Bodies that the first steps draw from; each step adds two.
+const FIRST_BODIES: usize = 48;
+
+/// Trains in `folder`, which holds `state.safetensors` to resume from, `log.csv`, and at the end `weights.safetensors` (f16). `start` are
+/// weights to begin with instead of random ones. Stops when the run is complete (true) or `seconds` are over (false).
+pub fn train(
+    config: &ModelConfig,
+    run: &RunConfig,
+    pool: &Pool,
+    folder: &Path,
+    start: Option<&Weights>,
+    seconds: f64,
+) -> Result<bool, RunError> {
+    fs::create_dir_all(folder)?;
+    let state = folder.join("state.safetensors");
+    let rng = ChaCha8Rng::seed_from_u64(run.seed);
+    let mut parameters = match (fs::read(&state), start) {
+        (Ok(bytes), _) => Parameters::from_weights(&Weights::from_bytes(&bytes)?, rng),
+        (Err(_), Some(weights)) => Parameters::from_weights(weights, rng),
+        (Err(_), None) => Parameters::new(rng),
+    };
+    if start.is_some() && !state.exists() {
+        parameters.steps = 0;
+    }
+    let network = Network::new(config, &mut parameters)?;
+    println!("{} parameters, at step {} of {}", parameters.count(), parameters.steps, run.steps);
+
+    let began = Instant::now();
+    let mut log = Log::open(&folder.join("log.csv"))?;
+    let mut not_finite = 0;
+    let mut step = parameters.steps;
+    while step < run.steps {
+        let mut rng = ChaCha8Rng::seed_from_u64(run.seed);
+        rng.set_stream(1 + step as u64);
+        let bodies = pool.count.min(FIRST_BODIES + 2 * step);
+        let mut total = None;
+        for _ in 0..run.batch {
+            let (a, b) = (rng.random_range(0..bodies), rng.random_range(0..bodies));
+            let pair = [&pool.get(a)?, &pool.get(b)?];
+            let forward = Forward::new(&network, pair, &mut rng)?;
+            let terms = forward.losses(&run.losses, step >= run.maps_from)?;
+            for (name, weight, term) in terms {
+                log.add(name, f64::from(term.to_scalar::<f32>()?));
+                let weighted = term.affine(weight / run.batch as f64, 0.0)?;
+                total = Some(match total {
+                    None => weighted,
+                    Some(total) => (total + weighted)?,
+                });
+            }
+            if step % LOG == 0 {
+                log.add("part accuracy", forward.part_accuracy(pair));
+                log.add("same part", forward.same_part(pair)?);
+            }
+        }
+        let rate = run.rate_at(step);
+        if let Some(total) = total {
+            let length = parameters.step(&total.backward()?, rate, run.decay, run.clip)?;
+            not_finite = if length.is_finite() { 0 } else { not_finite + 1 };
+            if not_finite > 50 {
+                return Err(RunError::NotFinite(not_finite));
+            }
+            log.add("gradient", f64::from(length));
+        }
+        step += 1;
+        parameters.steps = step;
+        if step % LOG == 0 {
+            log.write(step, rate, began.elapsed().as_secs_f64())?;
+        }
+        let over = began.elapsed().as_secs_f64() > seconds;
+        if step % CHECKPOINT == 0 || step == run.steps || over {
+            save(&state, &parameters.weights(config, true).to_bytes(false)?)?;
+            save(&folder.join("weights.safetensors"), &parameters.weights(config, false).to_bytes(true)?)?;
+        }
+        if over {
+            return Ok(step == run.steps);
+        }
+    }
+    Ok(true)
+}
+
+fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let partial: PathBuf = path.with_extension("partial");
+    fs::write(&partial, bytes)?;
+    fs::rename(partial, path)
+}
+
+/// Means since the last line, as comma-separated values.
+struct Log {
+    file: fs::File,
+    sums: std::collections::BTreeMap<&'static str, (f64, usize)>,
+}
+
+impl Log {
+    fn open(path: &Path) -> io::Result<Self> {
+        let file = fs::OpenOptions::new().create(true).append(true).open(path)?;
+        Ok(Self { file, sums: Default::default() })
+    }
+
+    fn add(&mut self, name: &'static str, value: f64) {
+        let sum = self.sums.entry(name).or_default();
+        *sum = (sum.0 + value, sum.1 + 1);
+    }
+
+    fn write(&mut self, step: usize, rate: f32, seconds: f64) -> io::Result<()> {
+        let mut line = format!("step={step},rate={rate:.2e},seconds={seconds:.0}");
+        for (name, (sum, count)) in std::mem::take(&mut self.sums) {
+            line += &format!(",{name}={:.4}", sum / count as f64);
+        }
+        println!("{line}");
+        writeln!(self.file, "{line}")
+    }
+}

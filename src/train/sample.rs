@@ -1,0 +1,108 @@
+//! One synthetic scan as training sees it: what the network is given, and part labels. Which body point a point is does not come along.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use half::f16;
+use ndarray::Array2;
+use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
+
+use crate::error::Error;
+use crate::features::ShapeInputs;
+use crate::model::ModelConfig;
+use crate::operators::LaplacianKind;
+use crate::options::PrepareOptions;
+use crate::pipeline::prepare_with_shape;
+use crate::progress::Progress;
+use crate::shape::Shape;
+
+/// Inputs (n points) and labels (n).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// What the network sees.
+    pub inputs: ShapeInputs,
+    /// Part of each point, an index into [`crate::PARTS`].
+    pub labels: Vec<u32>,
+}
+
+impl Sample {
+    /// Builds the operators that a scan with given labels would get. Points without surface keep no label, and so are left out.
+    pub fn new(shape: Shape, kind: Option<LaplacianKind>, config: &ModelConfig) -> Result<Self, Error> {
+        let options = PrepareOptions {
+            laplacian: kind,
+            eigenpairs: config.eigenpairs,
+            points: shape.points().len().max(50),
+            ..PrepareOptions::default()
+        };
+        let mut progress = Progress::silent();
+        let (prepared, operator_shape) = prepare_with_shape(shape, None, &options, &mut progress)?;
+        let labels = prepared.shape.labels().unwrap_or_default();
+        let labels = (0..prepared.points_used()).map(|row| labels[prepared.support.uploaded(row)]).collect();
+        let inputs = ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, &mut progress)
+            .map_err(crate::operators::OperatorError::from)?;
+        Ok(Self { inputs, labels })
+    }
+
+    /// Writes it as safetensors with f16 values, so that thousands fit on a disk.
+    pub fn save(&self, path: &Path) -> io::Result<()> {
+        let inputs = &self.inputs;
+        let matrices = [
+            ("channels", &inputs.channels),
+            ("points", &inputs.points),
+            ("moments", &inputs.moments),
+            ("phi", &inputs.phi),
+            ("projector", &inputs.projector),
+            ("along", &inputs.gradients[0]),
+            ("across", &inputs.gradients[1]),
+            ("lambda", &inputs.lambda),
+        ];
+        // f16 has five bits of exponent: masses of single points would be subnormal in it.
+        let scale = |name: &str| if matches!(name, "moments" | "projector") { inputs.len() as f32 } else { 1.0 };
+        let mut bytes: Vec<(&str, Vec<usize>, Vec<u8>)> = matrices
+            .iter()
+            .map(|&(name, m)| {
+                let halves = m.iter().flat_map(|&v| f16::from_f32(v * scale(name)).to_le_bytes()).collect();
+                (name, vec![m.nrows(), m.ncols()], halves)
+            })
+            .collect();
+        bytes.push(("labels", vec![self.labels.len()], self.labels.iter().map(|&l| l as u8).collect()));
+        let views = bytes.iter().map(|(name, shape, bytes)| {
+            let dtype = if *name == "labels" { Dtype::U8 } else { Dtype::F16 };
+            (*name, TensorView::new(dtype, shape.clone(), bytes).expect("as many bytes as the shape says"))
+        });
+        let bytes = serialize(views, None).map_err(io::Error::other)?;
+        // Under another name first, so that a reader never finds half a file.
+        let partial = path.with_extension("partial");
+        fs::write(&partial, bytes)?;
+        fs::rename(partial, path)
+    }
+
+    /// Reads it back.
+    pub fn load(path: &Path) -> io::Result<Self> {
+        let bytes = fs::read(path)?;
+        let file = SafeTensors::deserialize(&bytes).map_err(io::Error::other)?;
+        let bad = || io::Error::new(io::ErrorKind::InvalidData, format!("{} is not a sample", path.display()));
+        let read = |name: &str| -> io::Result<Array2<f32>> {
+            let view = file.tensor(name).map_err(io::Error::other)?;
+            let &[rows, cols] = view.shape() else { return Err(bad()) };
+            let values = view.data().as_chunks().0.iter().map(|&b| f16::from_le_bytes(b).to_f32()).collect();
+            Array2::from_shape_vec((rows, cols), values).map_err(|_| bad())
+        };
+        let labels: Vec<u32> =
+            file.tensor("labels").map_err(io::Error::other)?.data().iter().map(|&l| u32::from(l)).collect();
+        let per_point = 1.0 / labels.len() as f32;
+        Ok(Self {
+            inputs: ShapeInputs {
+                channels: read("channels")?,
+                points: read("points")?,
+                moments: read("moments")? * per_point,
+                phi: read("phi")?,
+                projector: read("projector")? * per_point,
+                gradients: [read("along")?, read("across")?],
+                lambda: read("lambda")?,
+            },
+            labels,
+        })
+    }
+}

@@ -1,0 +1,87 @@
+//! The loss of one pair: the forward pass of matching, then every loss that counts.
+
+use candle_core::Tensor;
+use rand::seq::index::sample as sample_rows;
+use rand_chacha::ChaCha8Rng;
+
+use super::device::{Autodiff, matrix, tensor};
+use super::losses::{LossWeights, Side, Terms, functional_maps, losses, one_hot};
+use super::sample::Sample;
+use crate::device::{Cpu, Device};
+use crate::model::Network;
+use crate::parts::PARTS;
+
+/// Key points that attention looks at in training.
+const KEYS: usize = 512;
+/// Basis size of functional maps in training.
+const MAP: usize = 60;
+
+/// Both shapes of a pair after the forward pass.
+pub struct Forward {
+    features: [Tensor; 2],
+    logits: [Tensor; 2],
+    labels: [Tensor; 2],
+    phi: [Tensor; 2],
+    projector: [Tensor; 2],
+    lambda: [Vec<f64>; 2],
+}
+
+impl Forward {
+    /// Features and parts of both.
+    pub fn new(network: &Network<Tensor>, pair: [&Sample; 2], rng: &mut ChaCha8Rng) -> candle_core::Result<Self> {
+        let device = Autodiff;
+        let on = pair.map(|sample| sample.inputs.upload(&device));
+        let [a, b] = [0, 1].map(|side: usize| network.embed(&device, &on[side]));
+        let probabilities = [&a, &b].map(|e| device.softmax_rows(&e.logits.detach()));
+        let keys = [&a, &b].into_iter().zip(&probabilities).map(|(e, p)| {
+            let n = p.dims()[0];
+            let rows: Vec<u32> = sample_rows(rng, n, KEYS.min(n)).into_iter().map(|i| i as u32).collect();
+            (device.gather(&e.features, &rows), device.gather(p, &rows))
+        });
+        let keys: Vec<_> = keys.collect();
+        let features = [
+            network.compare(&device, (&a.features, &probabilities[0]), (&keys[1].0, &keys[1].1)),
+            network.compare(&device, (&b.features, &probabilities[1]), (&keys[0].0, &keys[0].1)),
+        ];
+        let k = MAP.min(pair[0].inputs.lambda.nrows()).min(pair[1].inputs.lambda.nrows());
+        Ok(Self {
+            features,
+            logits: [a.logits, b.logits],
+            labels: pair.map(|sample| tensor(one_hot(&sample.labels, PARTS.len()).view())),
+            phi: [0, 1].map(|side: usize| device.leading_columns(&on[side].phi, k)),
+            projector: [0, 1].map(|side: usize| device.leading_columns(&on[side].projector, k)),
+            lambda: pair.map(|sample| sample.inputs.lambda.column(0).iter().take(k).map(|&l| f64::from(l)).collect()),
+        })
+    }
+
+    fn side(&self, side: usize) -> Side<'_> {
+        Side {
+            features: &self.features[side],
+            logits: &self.logits[side],
+            labels: &self.labels[side],
+            phi: &self.phi[side],
+            projector: &self.projector[side],
+            lambda: &self.lambda[side],
+        }
+    }
+
+    /// The losses.
+    pub fn losses(&self, weights: &LossWeights, maps: bool) -> candle_core::Result<Terms> {
+        losses(weights, &self.side(0), &self.side(1), maps)
+    }
+
+    /// Share of points of both shapes whose part is right, by the largest logit.
+    pub fn part_accuracy(&self, pair: [&Sample; 2]) -> f64 {
+        let of = |side: usize| super::losses::part_accuracy(matrix(&self.logits[side]).view(), &pair[side].labels);
+        0.5 * (of(0) + of(1))
+    }
+
+    /// Share of points of A that the functional map sends to a point of B with their part.
+    pub fn same_part(&self, pair: [&Sample; 2]) -> candle_core::Result<f64> {
+        let [_, c_ba] = functional_maps(&self.side(0), &self.side(1))?;
+        let a_in_b = matrix(&Autodiff.matmul(&self.phi[0], &c_ba));
+        let (to_b, _) = Cpu.nearest_rows(&a_in_b, &matrix(&self.phi[1]), None);
+        let kept = to_b.iter().zip(&pair[0].labels).filter(|&(&j, label)| pair[1].labels[j as usize] == *label);
+        Ok(kept.count() as f64 / pair[0].labels.len() as f64)
+    }
+}
