@@ -12,7 +12,7 @@ use crate::fmap::{
     part_functions, refine, stretch,
 };
 use crate::graph::components;
-use crate::operators::{self, Laplacian, LaplacianKind};
+use crate::operators::{self, Laplacian, LaplacianKind, Surface};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 use crate::prepared::{Info, PreparedShape, ShapeKind};
 use crate::progress::{Progress, Stage};
@@ -120,6 +120,15 @@ pub(crate) fn prepare_with_shape(
         Some(used) => features.select(Along(0), &used.iter().map(|&row| row as usize).collect::<Vec<usize>>()),
         None => features,
     };
+    let carriers: Vec<u32> = match &support.used {
+        Some(used) => coarse.iter().map(|&row| used[row as usize]).collect(),
+        None => coarse.clone(),
+    };
+    let surface = Surface::around(&operator_shape, &carriers, &basis);
+    let surface = match &support.used {
+        Some(used) => surface.at(used),
+        None => surface,
+    };
     progress.at(Stage::Features, 1.0)?;
     if !report.complete {
         let message = "the eigenvalues are right, but it was not proved that none between them is missing".to_owned();
@@ -141,7 +150,7 @@ pub(crate) fn prepare_with_shape(
         residual: report.residual,
         seconds: progress.take_seconds(),
     };
-    Ok((PreparedShape { shape: as_read, info, repairs, basis, support, coarse, features }, operator_shape))
+    Ok((PreparedShape { shape: as_read, info, repairs, basis, support, coarse, surface, features }, operator_shape))
 }
 
 /// Features of both → functional maps both ways → refinement → correspondence of every uploaded point.
@@ -167,18 +176,17 @@ pub async fn match_shapes<D: Device>(
     ];
     let known = side_by_side(known.into_iter().flatten());
     let known = known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
-    let (first, rotation) = initial_maps(device, &side_a, &side_b, known, parts).await;
+    let first = initial_maps(device, &side_a, &side_b, known, parts).await;
 
     let raw = match options.raw {
         true => {
             let (sides, maps) = ((&side_a, &side_b), first.clone());
-            let (raw, ..) = refine(device, sides, maps, &rotation, parts, Refinement::None, progress).await?;
+            let (raw, ..) = refine(device, sides, maps, parts, Refinement::None, progress).await?;
             Some(lift(&raw, a, b, labels))
         }
         false => None,
     };
-    let (a_to_b, b_to_a, maps) =
-        refine(device, (&side_a, &side_b), first, &rotation, parts, options.refine, progress).await?;
+    let (a_to_b, b_to_a, maps) = refine(device, (&side_a, &side_b), first, parts, options.refine, progress).await?;
     let mut warnings = warnings(a, b);
     warnings.extend(doubts(stretch(&side_a, &side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) =

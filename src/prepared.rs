@@ -11,13 +11,13 @@ use safetensors::tensor::{Dtype, SafeTensors, View, serialize};
 use serde::{Deserialize, Serialize};
 
 use crate::fmap::Matchable;
-use crate::operators::LaplacianKind;
+use crate::operators::{LaplacianKind, Surface};
 use crate::options;
 use crate::shape::{Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
 
 /// Version of the block's layout.
-const FORMAT: &str = "geose-prepared 2";
+const FORMAT: &str = "geose-prepared 3";
 
 /// What was found about a scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,6 +76,8 @@ pub struct PreparedShape {
     pub support: Support,
     /// Rows of an even sampling of the points used, coarsest first.
     pub coarse: Vec<u32>,
+    /// The surface around that sampling, at the points used.
+    pub surface: Surface,
     /// Descriptors (p, c).
     pub features: Array2<f32>,
 }
@@ -125,7 +127,8 @@ impl PreparedShape {
             eigenvectors: eigenvectors * total.sqrt(),
             mass,
         };
-        Matchable { basis, points, features: self.features.clone(), coarse: self.coarse.clone() }
+        let (features, coarse, surface) = (self.features.clone(), self.coarse.clone(), self.surface.clone());
+        Matchable { basis, points, features, extra: None, coarse, surface }
     }
 
     /// Names of the parts that the given labels number, while they are few enough to be parts.
@@ -147,6 +150,12 @@ impl PreparedShape {
             ("eigenvectors", Tensor::of(Dtype::F64, contiguous(eigenvectors.as_slice())?, &[self.basis.len(), k])),
             ("mass", Tensor::of(Dtype::F64, contiguous(self.basis.mass.as_slice())?, &[self.basis.len()])),
             ("coarse", Tensor::of(Dtype::U32, &self.coarse, &[self.coarse.len()])),
+            ("cell", Tensor::of(Dtype::U32, &self.surface.cell, &[self.surface.cell.len()])),
+            (
+                "touching",
+                Tensor::of(Dtype::U32, self.surface.touching.as_flattened(), &[self.surface.touching.len(), 2]),
+            ),
+            ("normals", Tensor::of(Dtype::F64, self.surface.normals.as_flattened(), &[self.surface.normals.len(), 3])),
             ("features", Tensor::of(Dtype::F32, contiguous(features.as_slice())?, features.shape())),
         ];
         let optional = [
@@ -167,6 +176,7 @@ impl PreparedShape {
             ("format".to_owned(), FORMAT.to_owned()),
             ("info".to_owned(), json(serde_json::to_string(&self.info))?),
             ("repairs".to_owned(), json(serde_json::to_string(&self.repairs))?),
+            ("oriented".to_owned(), self.surface.oriented.to_string()),
             ("parts".to_owned(), json(serde_json::to_string(&self.parts()))?),
         ]);
         serialize(tensors, Some(metadata)).map_err(|e| BlockError(e.to_string()))
@@ -197,6 +207,12 @@ impl PreparedShape {
             Array2::from_shape_vec((mass.len(), eigenvalues.len()), f64s("eigenvectors")?).map_err(matrix)?;
         let features = values::<f32>(&block, "features", Dtype::F32)?;
         let coarse = u32s("coarse")?;
+        let surface = Surface {
+            normals: f64s("normals")?.as_chunks::<3>().0.to_vec(),
+            oriented: text("oriented")? == "true",
+            cell: u32s("cell")?,
+            touching: u32s("touching")?.as_chunks::<2>().0.to_vec(),
+        };
         let support = Support {
             carriers: optional("carriers")?,
             carrier_of: optional("carrierOf")?,
@@ -219,6 +235,9 @@ impl PreparedShape {
             && (support.carriers.is_some() || carriers == n)
             && support.unmatched.as_deref().is_none_or(|points| below(points, n))
             && below(&coarse, p)
+            && (surface.normals.len(), surface.cell.len()) == (p, p)
+            && below(&surface.cell, coarse.len())
+            && below(surface.touching.as_flattened(), coarse.len())
             && below(shape.faces().as_flattened(), n)
             && shape.labels().is_none_or(|l| l.len() == n)
             && p > 0
@@ -228,7 +247,7 @@ impl PreparedShape {
         }
         let features = Array2::from_shape_vec((p, features.len() / p), features).map_err(matrix)?;
         let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
-        Ok(Self { shape, info, repairs, basis, support, coarse, features })
+        Ok(Self { shape, info, repairs, basis, support, coarse, surface, features })
     }
 }
 

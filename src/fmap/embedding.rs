@@ -2,6 +2,7 @@
 
 use ndarray::{Array2, s};
 
+use crate::operators::Surface;
 use crate::spectrum::SpectralBasis;
 
 /// A shape at unit area, ready to be matched: p points used.
@@ -13,8 +14,13 @@ pub struct Matchable {
     pub points: Array2<f64>,
     /// Descriptors (p, c) that do not depend on the pose in space.
     pub features: Array2<f32>,
+    /// Further columns (p, c) that agree at points that correspond, weighed as they are to count beside positions in √area: point features of a network,
+    /// probabilities of parts. As many columns on either side of a pair, or none.
+    pub extra: Option<Array2<f32>>,
     /// Rows of an even sampling, coarsest first: every prefix is a sampling too.
     pub coarse: Vec<u32>,
+    /// The surface around that sampling.
+    pub surface: Surface,
 }
 
 impl Matchable {

@@ -24,7 +24,7 @@ const WAVELENGTHS: [f64; 3] = [4.0, 2.0, 1.0];
 /// Weight of all position channels together against all invariant ones together.
 const POSITION_WEIGHT: f64 = 2.0;
 
-/// C_ab and C_ba at k = 50 and the rotation that brings B to A.
+/// C_ab and C_ba at k = 50.
 ///
 /// The 24 ways to lay the principal axes of B onto those of A are each tried with a small map; the one whose map is most nearly a rotation of
 /// the whole body wins, and the rotation it implies sets the frame for the real solve. Everything depends on relative positions only, so
@@ -36,7 +36,7 @@ pub async fn initial_maps<D: Device>(
     b: &Matchable,
     known: Option<(ArrayView2<'_, f64>, ArrayView2<'_, f64>)>,
     parts: Option<(&[u32], &[u32])>,
-) -> (MapPair, Rotation) {
+) -> MapPair {
     let invariant = |m: &Matchable| {
         let features = m.features.mapv(f64::from);
         let channels = features.ncols().max(1) as f64;
@@ -77,8 +77,7 @@ pub async fn initial_maps<D: Device>(
             best = Some(verdict);
         }
     }
-    let best = best.expect("there are always 24 candidates");
-    (best.maps, best.rotation)
+    best.expect("there are always 24 candidates").maps
 }
 
 /// The coarsest points of both bodies, on which candidate maps are compared.
@@ -143,10 +142,10 @@ impl<T> Trial<T> {
     async fn judge<D: Device<Tensor = T>>(&self, device: &D, mut maps: MapPair, k: usize, rounds: usize) -> Verdict {
         let [phi_a, phi_b] = [0, 1].map(|side| device.leading_columns(&self.on_device[side], k));
         let parts = self.parts.as_ref().map(|[of_a, of_b]| (&of_a[..], &of_b[..]));
-        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]], parts);
+        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &[vec![], vec![]], parts);
         for _ in 0..rounds {
             maps = maps_of_match(device, [&phi_a, &phi_b], &there_and_back).await;
-            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], [vec![], vec![]], parts);
+            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &[vec![], vec![]], parts);
         }
         let to_b = wide(&device.download_indices(&there_and_back.0).await);
         let to_a = wide(&device.download_indices(&there_and_back.1).await);

@@ -10,10 +10,12 @@ mod embedding;
 mod functional_map;
 mod initial;
 mod landmarks;
+mod laying;
 mod lifting;
 mod metrics;
 mod part_scores;
 mod refine;
+mod rigidity;
 mod stretch;
 
 pub use correspondence::{Correspondence, UNMATCHED};

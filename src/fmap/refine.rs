@@ -1,14 +1,14 @@
-//! From first maps to a correspondence: bijective ZoomOut, then deformed coordinates.
+//! From first maps to a correspondence: ZoomOut, or rounds in which each body is also laid onto the other.
 //!
-//! ZoomOut: Melzi et al. 2019. Both directions share one embedding, as in bijective variants, so that one pass over the distances gives the match both
-//! ways. Iterations run on an even sampling of each body; only the last match sees every point.
+//! Both directions share one embedding, as in bijective variants of ZoomOut (Melzi et al. 2019), so that one pass over the distances gives the match
+//! both ways. Iterations run on an even sampling of each body; only the last match sees every point. Whatever is compared of two bodies lies in
+//! the frame of one of them, so turning either changes nothing.
 
-use ndarray::{Array2, ArrayView2, Axis};
-
+use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
-use super::alignment::{Rotation, rotate};
 use super::functional_map::least_squares;
+use super::laying::{Columns, Laying};
 use super::{Correspondence, Matchable};
 use crate::device::Device;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -30,7 +30,7 @@ pub enum Refinement {
     None,
     /// ZoomOut up to the whole basis.
     ZoomOut,
-    /// ZoomOut, then rounds that also compare where each body goes when it is laid onto the other.
+    /// Rounds that also compare where each body goes, and how it turns, when it is laid onto the other.
     #[default]
     Best,
 }
@@ -39,146 +39,261 @@ pub enum Refinement {
 pub const COARSE: usize = 2000;
 /// Growth of the basis per ZoomOut iteration.
 const STEP: usize = 10;
-/// Rounds with coordinates.
-const ROUNDS: usize = 6;
-/// Weight of coordinates (in √area) against the spectral embedding, whose columns are divided by √k.
-const COORDINATE_WEIGHT: f32 = 16.0;
+
+/// How the rounds go from coarse and stiff to fine and soft: each range from the first round to the last.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Schedule {
+    pub(super) rounds: usize,
+    /// Eigenfunctions in use.
+    pub(super) basis: [usize; 2],
+    /// Weight of rigidity against targets, at [`COARSE`] points.
+    pub(super) stiffness: [f64; 2],
+    /// Weight of the spectral columns, which are divided by √k besides.
+    pub(super) spectral: [f32; 2],
+    /// Weight of coordinates in √area.
+    pub(super) coordinates: [f32; 2],
+    /// Weight of normals.
+    pub(super) normals: [f32; 2],
+    /// Weight of what else is known of points.
+    pub(super) extra: [f32; 2],
+}
+
+/// Between two meshes.
+pub(super) const MESH: Schedule = Schedule {
+    rounds: 5,
+    basis: [120, usize::MAX],
+    stiffness: [100.0, 1.0],
+    spectral: [1.0, 1.0],
+    coordinates: [4.0, 8.0],
+    normals: [1.0, 1.0],
+    extra: [1.0, 1.0],
+};
+
+/// Where one of the two is a cloud.
+pub(super) const CLOUD: Schedule = Schedule {
+    rounds: 10,
+    basis: [60, usize::MAX],
+    stiffness: [100.0, 0.3],
+    spectral: [1.0, 1.0],
+    coordinates: [4.0, 4.0],
+    normals: [0.5, 1.0],
+    extra: [0.4, 0.0],
+};
+
+impl Schedule {
+    fn share(&self, round: usize) -> f64 {
+        if self.rounds > 1 { round as f64 / (self.rounds - 1) as f64 } else { 1.0 }
+    }
+
+    fn even(&self, [first, last]: [f32; 2], round: usize) -> f32 {
+        first + (last - first) * self.share(round) as f32
+    }
+
+    /// Eigenfunctions in a round, of the `all` there are.
+    fn basis(&self, round: usize, all: usize) -> usize {
+        let [first, last] = self.basis.map(|k| k.min(all) as f64);
+        (first + (last - first) * self.share(round)).round() as usize
+    }
+
+    /// μ in a round: from the first to the last by equal factors.
+    fn stiffness(&self, round: usize) -> f64 {
+        let [first, last] = self.stiffness;
+        first * (last / first).powf(self.share(round))
+    }
+
+    fn spectral(&self, round: usize) -> f32 {
+        self.even(self.spectral, round)
+    }
+
+    /// What A laid onto B has in common with B, and A with B laid onto A.
+    fn beside<D: Device>(
+        &self,
+        device: &D,
+        sides: &[Side<D::Tensor>; 2],
+        columns: [Columns; 2],
+        round: usize,
+    ) -> Beside<D::Tensor> {
+        let (coordinates, normals) = (self.even(self.coordinates, round), self.even(self.normals, round));
+        let mut beside = extra(device, sides, self.even(self.extra, round));
+        let [a, b] = columns;
+        let [of_a, of_b] = &mut beside;
+        let mut push = |on_a: Array2<f32>, on_b: Array2<f32>, weight: f32| {
+            of_a.push((device.upload(on_a.view()), weight));
+            of_b.push((device.upload(on_b.view()), weight));
+        };
+        push(a.laid, b.rest, coordinates);
+        push(a.rest, b.laid, coordinates);
+        push(a.turned, b.normals, normals);
+        push(a.normals, b.turned, normals);
+        beside
+    }
+}
 
 /// What refinement compares of one body, at some of its points.
 struct Side<T> {
     /// Φ (rows, k).
     phi: T,
-    /// Positions (rows, 3), both bodies in the frame of A.
-    x: T,
+    /// Further columns that say which point is which, when there are any.
+    extra: Option<T>,
     /// Part label per row, when parts keep points apart.
     parts: Option<Vec<u32>>,
 }
 
-/// Refines `first` and matches every point both ways. `rotation` brings B to A. `parts` are part labels (n) of A and B: then
+/// Columns of A and of B that stand beside the spectral ones, with their weights.
+type Beside<T> = [Vec<(T, f32)>; 2];
+
+/// Refines `first` and matches every point both ways. `parts` are part labels (n) of A and B: then
 /// no point is matched to another part (paper Sec. 3.3, at the level of the map). Returns the correspondences A → B and B → A, and the maps
 /// they came from.
 pub async fn refine<D: Device>(
     device: &D,
     (a, b): (&Matchable, &Matchable),
     first: MapPair,
-    rotation: &Rotation,
     parts: Option<(&[u32], &[u32])>,
     refinement: Refinement,
     progress: &mut Progress<'_>,
 ) -> Result<(Correspondence, Correspondence, MapPair), Cancelled> {
+    let schedule = if a.surface.oriented && b.surface.oriented { MESH } else { CLOUD };
+    refine_by(device, (a, b), first, parts, refinement, &schedule, progress).await
+}
+
+pub(super) async fn refine_by<D: Device>(
+    device: &D,
+    (a, b): (&Matchable, &Matchable),
+    first: MapPair,
+    parts: Option<(&[u32], &[u32])>,
+    refinement: Refinement,
+    schedule: &Schedule,
+    progress: &mut Progress<'_>,
+) -> Result<(Correspondence, Correspondence, MapPair), Cancelled> {
     let smallest = first.c_ab.nrows();
     let largest = if refinement == Refinement::None { smallest } else { a.basis.k().min(b.basis.k()) };
-    let (x_a, x_b) = (a.points.view(), rotate(b.points.view(), rotation));
     let (parts_a, parts_b) = parts.unzip();
-    let coarse_a = Side::at(device, a, x_a, parts_a, &a.coarse, largest);
-    let coarse_b = Side::at(device, b, x_b.view(), parts_b, &b.coarse, largest);
-
-    let coarse_parts = parts_of(&coarse_a, &coarse_b);
-
-    let mut maps = first;
-    let mut k = smallest;
-    while k < largest {
-        progress.at(Stage::Refine, 0.7 * (k - smallest) as f64 / (largest - smallest) as f64)?;
-        let narrow = [device.leading_columns(&coarse_a.phi, k), device.leading_columns(&coarse_b.phi, k)];
-        let there_and_back = joint_nearest(device, &maps, [&narrow[0], &narrow[1]], nothing(), coarse_parts);
-        k = (k + STEP).min(largest);
-        let wide = [device.leading_columns(&coarse_a.phi, k), device.leading_columns(&coarse_b.phi, k)];
-        maps = maps_of_match(device, [&wide[0], &wide[1]], &there_and_back).await;
-    }
-
-    let mut shifts = None;
-    if refinement == Refinement::Best {
-        let phi = [&coarse_a.phi, &coarse_b.phi];
-        let mut there_and_back = joint_nearest(device, &maps, phi, nothing(), coarse_parts);
-        for round in 0..ROUNDS {
-            progress.at(Stage::Refine, 0.7 + 0.3 * round as f64 / ROUNDS as f64)?;
-            maps = maps_of_match(device, phi, &there_and_back).await;
-            let shift_a = coarse_a.shift_onto(device, &coarse_b, &there_and_back.0).await;
-            let shift_b = coarse_b.shift_onto(device, &coarse_a, &there_and_back.1).await;
-            let laid = [coarse_a.laid(device, &shift_a), coarse_b.laid(device, &shift_b)];
-            let beside = coordinates(&coarse_a, &coarse_b, &laid);
-            there_and_back = joint_nearest(device, &maps, phi, beside, coarse_parts);
-            shifts = Some([shift_a, shift_b]);
+    let at = |rows_a: &[u32], rows_b: &[u32]| {
+        [Side::at(device, a, parts_a, rows_a, largest), Side::at(device, b, parts_b, rows_b, largest)]
+    };
+    let (maps, spectral, laid) = match refinement {
+        Refinement::None => (first, 1.0, None),
+        Refinement::ZoomOut => {
+            (zoom_out(device, &at(&a.coarse, &b.coarse), first, largest, progress).await?, 1.0, None)
         }
-        maps = maps_of_match(device, phi, &there_and_back).await;
-    }
+        Refinement::Best => {
+            let coarse = at(&a.coarse, &b.coarse);
+            let mut laying = Laying::new(a, b, COARSE);
+            let beside = extra(device, &coarse, 1.0);
+            let mut there_and_back = nearest(device, &coarse, &first, 1.0, &beside);
+            let mut round = 0;
+            loop {
+                progress.at(Stage::Refine, round as f64 / schedule.rounds as f64)?;
+                let phi = leading(device, &coarse, schedule.basis(round, largest));
+                let maps = maps_of_match(device, [&phi[0], &phi[1]], &there_and_back).await;
+                let to_b = device.download_indices(&there_and_back.0).await;
+                let to_a = device.download_indices(&there_and_back.1).await;
+                laying.follow(&to_b, &to_a, schedule.stiffness(round));
+                if round + 1 == schedule.rounds {
+                    break (maps, schedule.spectral(round), Some(laying));
+                }
+                let beside = schedule.beside(device, &coarse, laying.coarse(), round);
+                there_and_back = nearest(device, &coarse, &maps, schedule.spectral(round), &beside);
+                round += 1;
+            }
+        }
+    };
 
     progress.at(Stage::Correspondence, 0.0)?;
     let every = |m: &Matchable| (0..m.len() as u32).collect::<Vec<u32>>();
-    let full_a = Side::at(device, a, x_a, parts_a, &every(a), largest);
-    let full_b = Side::at(device, b, x_b.view(), parts_b, &every(b), largest);
-    let laid = shifts.map(|[shift_a, shift_b]| [full_a.laid(device, &shift_a), full_b.laid(device, &shift_b)]);
-    let beside = laid.as_ref().map_or_else(nothing, |laid| coordinates(&full_a, &full_b, laid));
-    let (to_b, to_a) = joint_nearest(device, &maps, [&full_a.phi, &full_b.phi], beside, parts_of(&full_a, &full_b));
+    let full = at(&every(a), &every(b));
+    let beside = match laid {
+        Some(laying) => schedule.beside(device, &full, laying.everywhere(), schedule.rounds - 1),
+        None => nothing(),
+    };
+    let (to_b, to_a) = nearest(device, &full, &maps, spectral, &beside);
     let (to_b, to_a) = (device.download_indices(&to_b).await, device.download_indices(&to_a).await);
     progress.at(Stage::Correspondence, 0.8)?;
     Ok((Correspondence::between(a, &to_b, &to_a), Correspondence::between(b, &to_a, &to_b), maps))
 }
 
+/// ZoomOut: matches and maps in turn, the basis growing from that of `maps` to `largest` eigenfunctions.
+async fn zoom_out<D: Device>(
+    device: &D,
+    coarse: &[Side<D::Tensor>; 2],
+    mut maps: MapPair,
+    largest: usize,
+    progress: &mut Progress<'_>,
+) -> Result<MapPair, Cancelled> {
+    let smallest = maps.c_ab.nrows();
+    let mut k = smallest;
+    while k < largest {
+        progress.at(Stage::Refine, (k - smallest) as f64 / (largest - smallest) as f64)?;
+        let there_and_back = nearest(device, coarse, &maps, 1.0, &nothing());
+        k = (k + STEP).min(largest);
+        let phi = leading(device, coarse, k);
+        maps = maps_of_match(device, [&phi[0], &phi[1]], &there_and_back).await;
+    }
+    Ok(maps)
+}
+
 impl<T> Side<T> {
-    /// The rows of a shape whose positions `x` (n, 3) are in the frame of A.
-    fn at<D: Device<Tensor = T>>(
-        device: &D,
-        shape: &Matchable,
-        x: ArrayView2<f64>,
-        parts: Option<&[u32]>,
-        rows: &[u32],
-        k: usize,
-    ) -> Self {
+    fn at<D: Device<Tensor = T>>(device: &D, shape: &Matchable, parts: Option<&[u32]>, rows: &[u32], k: usize) -> Self {
         let wide: Vec<usize> = rows.iter().map(|&i| i as usize).collect();
         Self {
             phi: device.upload(shape.phi_at(rows, k).view()),
-            x: device.upload(x.select(Axis(0), &wide).mapv(|v| v as f32).view()),
+            extra: shape.extra.as_ref().map(|extra| device.upload(extra.select(Axis(0), &wide).view())),
             parts: parts.map(|parts| wide.iter().map(|&i| parts[i]).collect()),
         }
     }
+}
 
-    /// The displacement that lays this body onto `other` by the match `there`, as coefficients (k, 3) of the eigenfunctions. Smoothing the displacement
-    /// and not the position keeps what is finer than the basis: fingers, feet, faces.
-    async fn shift_onto<D: Device<Tensor = T>>(&self, device: &D, other: &Self, there: &D::Indices) -> T {
-        let displacement = device.add(&device.gather(&other.x, there), &self.x, -1.0);
-        let coefficients = fit(device, &self.phi, &displacement).await;
-        device.upload(coefficients.mapv(|v| v as f32).view())
-    }
-
-    /// Positions (rows, 3) after the displacement.
-    fn laid<D: Device<Tensor = T>>(&self, device: &D, shift: &T) -> T {
-        device.add(&self.x, &device.matmul(&self.phi, shift), 1.0)
+/// What else is known of the points of both sides.
+fn extra<D: Device>(device: &D, sides: &[Side<D::Tensor>; 2], weight: f32) -> Beside<D::Tensor> {
+    let [a, b] = sides;
+    match (&a.extra, &b.extra) {
+        (Some(on_a), Some(on_b)) if weight > 0.0 => [on_a, on_b].map(|e| vec![(device.concat(&[(e, 1.0)]), weight)]),
+        _ => nothing(),
     }
 }
 
-/// Columns that compare A laid onto B with B, and A with B laid onto A.
-fn coordinates<'t, T>(a: &'t Side<T>, b: &'t Side<T>, [laid_a, laid_b]: &'t [T; 2]) -> [Vec<&'t T>; 2] {
-    [vec![laid_a, &a.x], vec![&b.x, laid_b]]
-}
-
-/// What stands beside the spectral columns before any coordinates do.
-fn nothing<'t, T>() -> [Vec<&'t T>; 2] {
+fn nothing<T>() -> Beside<T> {
     [Vec::new(), Vec::new()]
 }
 
-/// Part labels of both sides, when there are any.
-fn parts_of<'t, T>(a: &'t Side<T>, b: &'t Side<T>) -> Option<(&'t [u32], &'t [u32])> {
-    a.parts.as_deref().zip(b.parts.as_deref())
+/// The first k eigenfunctions of both sides.
+fn leading<D: Device>(device: &D, [a, b]: &[Side<D::Tensor>; 2], k: usize) -> [D::Tensor; 2] {
+    [device.leading_columns(&a.phi, k), device.leading_columns(&b.phi, k)]
 }
 
-/// The match both ways in the joint embedding [Φ_A C_ba, Φ_A] against [Φ_B, Φ_B C_ab], each divided by √k, with further columns beside
+/// [`joint_nearest`] of two sides, in the size of the maps.
+fn nearest<D: Device>(
+    device: &D,
+    sides: &[Side<D::Tensor>; 2],
+    maps: &MapPair,
+    spectral: f32,
+    beside: &Beside<D::Tensor>,
+) -> (D::Indices, D::Indices) {
+    let [phi_a, phi_b] = leading(device, sides, maps.c_ab.nrows());
+    let parts = sides[0].parts.as_deref().zip(sides[1].parts.as_deref());
+    joint_nearest(device, maps, [&phi_a, &phi_b], spectral, beside, parts)
+}
+
+/// The match both ways in the joint embedding [Φ_A C_ba, Φ_A] against [Φ_B, Φ_B C_ab], each times `spectral`/√k, with further columns beside
 /// them. First the rows of B for A's, then the rows of A for B's; `parts` are labels of both that keep points apart.
 pub(super) fn joint_nearest<D: Device>(
     device: &D,
     maps: &MapPair,
     [phi_a, phi_b]: [&D::Tensor; 2],
-    [beside_a, beside_b]: [Vec<&D::Tensor>; 2],
+    spectral: f32,
+    [beside_a, beside_b]: &[Vec<(D::Tensor, f32)>; 2],
     parts: Option<(&[u32], &[u32])>,
 ) -> (D::Indices, D::Indices) {
     let single = |c: &Array2<f64>| device.upload(c.mapv(|v| v as f32).view());
-    let weight = 1.0 / (maps.c_ab.nrows() as f32).sqrt();
-    let embed = |spectral: [&D::Tensor; 2], beside: Vec<&D::Tensor>| {
-        let spectral = spectral.into_iter().map(|part| (part, weight));
-        device.concat(&spectral.chain(beside.into_iter().map(|part| (part, COORDINATE_WEIGHT))).collect::<Vec<_>>())
+    let weight = spectral / (maps.c_ab.nrows() as f32).sqrt();
+    let embed = |of_a: &D::Tensor, of_b: &D::Tensor, beside: &[(D::Tensor, f32)]| {
+        let mut columns = vec![(of_a, weight), (of_b, weight)];
+        columns.extend(beside.iter().map(|(column, weight)| (column, *weight)));
+        device.concat(&columns)
     };
     let (a_in_b, b_in_a) = (device.matmul(phi_a, &single(&maps.c_ba)), device.matmul(phi_b, &single(&maps.c_ab)));
-    device.nearest_rows(&embed([&a_in_b, phi_a], beside_a), &embed([phi_b, &b_in_a], beside_b), parts)
+    device.nearest_rows(&embed(&a_in_b, phi_a, beside_a), &embed(phi_b, &b_in_a, beside_b), parts)
 }
 
 /// The functional maps of a match both ways, by least squares over the rows at hand: C_ba = Φ_A⁺ Φ_B[to_b], C_ab = Φ_B⁺ Φ_A[to_a].

@@ -9,6 +9,7 @@ mod laplacian;
 mod mass;
 mod normals;
 mod sheets;
+mod surface;
 
 use crate::graph::{RefineParams, nearest_neighbours, refine};
 use crate::progress::{Cancelled, Progress, Stage};
@@ -21,6 +22,7 @@ pub use gradient::{Gradient, gradient};
 pub use laplacian::{Laplacian, LaplacianKind};
 pub use mass::cloud_mass;
 pub use normals::normals;
+pub use surface::Surface;
 
 /// Why no Laplacian could be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -33,8 +33,12 @@ pub fn normals(shape: &Shape) -> Vec<[f64; 3]> {
 /// Normals (n, 3) of a cloud, of either sign: those of the surfaces that [`Sheets`] fits, which follow one of two
 /// sheets that touch where principal components mix them.
 fn cloud_normals(points: &[[f64; 3]], neighbours: &Neighbours) -> Vec<[f64; 3]> {
-    let sheets = Sheets::fit(points, neighbours);
-    (0..points.len() as u32).map(|i| sheets.normal(i)).collect()
+    cloud_normals_of(&Sheets::fit(points, neighbours))
+}
+
+/// The normals of sheets already fitted.
+pub(super) fn cloud_normals_of(sheets: &Sheets) -> Vec<[f64; 3]> {
+    (0..sheets.len() as u32).map(|i| sheets.normal(i)).collect()
 }
 
 /// Normals (n, 3) of a mesh from the winding of its faces, each face counting with its angle at the vertex, so that how

@@ -114,6 +114,11 @@ pub(super) fn notice_topology(points: usize, faces: &[[u32; 3]], repairs: &mut V
     }));
 }
 
+/// Whether no two faces disagree about which side is outside.
+pub(super) fn agree(faces: &[[u32; 3]]) -> bool {
+    odd_edges(faces).1 == 0
+}
+
 /// Edges with more than two faces, and edges whose two faces run along them in the same direction.
 fn odd_edges(faces: &[[u32; 3]]) -> (usize, usize) {
     // One sortable word per side of a face: smaller end, larger end, direction (points are below 2³¹).

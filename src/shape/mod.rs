@@ -163,6 +163,11 @@ impl Shape {
         Self { points, faces, labels, repairs: Vec::new(), up: None }
     }
 
+    /// Whether no two faces disagree about which side is outside.
+    pub(crate) fn faces_agree(&self) -> bool {
+        faces::agree(&self.faces)
+    }
+
     /// Sum of the triangle areas, in unit²; 0 for a cloud.
     pub fn surface_area(&self) -> f64 {
         let corner = |i: u32| self.points[i as usize];

@@ -13,7 +13,7 @@ use faer::{Conj, MatMut, Par, Side};
 use sprs::CsMat;
 
 /// L, M and the elimination order they share for every shift.
-pub(super) struct Pencil<'l> {
+pub(crate) struct Pencil<'l> {
     matrix: &'l CsMat<f64>,
     mass: &'l [f64],
     indptr: Vec<usize>,
@@ -21,7 +21,7 @@ pub(super) struct Pencil<'l> {
 }
 
 /// L + shift·M = P L̂ D L̂ᵀ Pᵀ.
-pub(super) struct Factor<'p> {
+pub(crate) struct Factor<'p> {
     symbolic: &'p SymbolicCholesky<usize>,
     values: Vec<f64>,
     buffer: MemBuffer,
@@ -29,7 +29,7 @@ pub(super) struct Factor<'p> {
 
 impl<'l> Pencil<'l> {
     /// Orders the unknowns (approximate minimum degree). `None` when memory for it cannot be had.
-    pub(super) fn new(matrix: &'l CsMat<f64>, mass: &'l [f64]) -> Option<Self> {
+    pub(crate) fn new(matrix: &'l CsMat<f64>, mass: &'l [f64]) -> Option<Self> {
         let n = mass.len();
         let indptr = matrix.indptr().raw_storage().to_vec();
         let structure = SymbolicSparseColMatRef::new_checked(n, n, &indptr, None, matrix.indices());
@@ -50,12 +50,17 @@ impl<'l> Pencil<'l> {
 
     /// Factors L + shift·M. `None` when a pivot vanishes or memory runs out.
     pub(super) fn factor(&self, shift: f64) -> Option<Factor<'_>> {
+        self.factor_with(&self.mass.iter().map(|m| shift * m).collect::<Vec<f64>>())
+    }
+
+    /// Factors L + diag(`diagonal`), of which all entries (n) count. `None` when a pivot vanishes or memory runs out.
+    pub(crate) fn factor_with(&self, diagonal: &[f64]) -> Option<Factor<'_>> {
         let n = self.mass.len();
         let mut shifted = self.matrix.data().to_vec();
-        for i in 0..n {
+        for (i, added) in diagonal.iter().enumerate() {
             let row = self.indptr[i]..self.indptr[i + 1];
             let slot = row.start + self.matrix.indices()[row].binary_search(&i).ok()?;
-            shifted[slot] += shift * self.mass[i];
+            shifted[slot] += added;
         }
         let structure = SymbolicSparseColMatRef::new_checked(n, n, &self.indptr, None, self.matrix.indices());
         let matrix = SparseColMatRef::new(structure, &shifted);
@@ -79,7 +84,7 @@ impl<'l> Pencil<'l> {
 
 impl Factor<'_> {
     /// Solves in place for the columns of `rhs` (n, b).
-    pub(super) fn solve(&mut self, rhs: MatMut<'_, f64>) {
+    pub(crate) fn solve(&mut self, rhs: MatMut<'_, f64>) {
         let needed = self.symbolic.solve_in_place_scratch::<f64>(rhs.ncols(), Par::Seq);
         if self.buffer.len() < needed.unaligned_bytes_required() {
             self.buffer = MemBuffer::new(needed);

@@ -8,5 +8,6 @@ mod signs;
 mod solve;
 
 pub use basis::SpectralBasis;
+pub(crate) use factor::Pencil;
 pub(crate) use solve::check_size;
 pub use solve::{SpectrumError, SpectrumReport, spectrum};
