@@ -70,13 +70,15 @@ pub use fmap::{
     part_scores, point_errors,
 };
 pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
-pub use model::{Embedding, ModelConfig, Network, Position, Source, Start, Weights, WeightsError};
+pub use model::{
+    Embedding, Model, ModelConfig, Network, PointEmbedding, Position, Source, Start, Weights, WeightsError,
+};
 pub use operators::{
     Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,
 };
 pub use options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 pub use parts::{GROUPS, PARTS};
-pub use pipeline::{Match, match_shapes, prepare};
+pub use pipeline::{Match, match_shapes, match_with, prepare, prepare_with};
 pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
 pub use progress::{Cancelled, Progress, Stage};
 pub use read::{Format, ReadError, read};

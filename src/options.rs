@@ -83,12 +83,12 @@ pub struct MatchOptions {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Parts {
-    /// Predicted by the network; this build has none, so it is refused.
+    /// Predicted by the network, as a soft mask.
+    #[default]
     Predicted,
     /// Labels that came with both scans, as a hard mask.
     Given,
     /// None.
-    #[default]
     None,
 }
 
@@ -112,15 +112,6 @@ impl OptionError {
             code: "invalid-option",
             message: format!("{option} must be {range}, and {value} was asked for"),
             details: json!({ "option": option, "value": value }),
-        }
-    }
-
-    pub(crate) fn no_weights() -> Self {
-        Self {
-            code: "not-in-build",
-            message: "this build has no network weights, so parts cannot be predicted: use \"given\" or \"none\""
-                .into(),
-            details: json!({}),
         }
     }
 

@@ -6,12 +6,13 @@ use ndarray::{Array2, Axis as Along, concatenate};
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::features::wave_kernel_signature;
+use crate::features::{ShapeInputs, wave_kernel_signature};
 use crate::fmap::{
-    COARSE, Correspondence, FunctionalMap, Matchable, Refinement, initial_maps, landmark_functions, lift,
+    COARSE, Correspondence, FunctionalMap, Matchable, Refinement, initial_maps, landmark_functions, learned_maps, lift,
     part_functions, refine, stretch,
 };
 use crate::graph::components;
+use crate::model::{Model, PointEmbedding};
 use crate::operators::{self, Laplacian, LaplacianKind, Surface};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 use crate::prepared::{Info, PreparedShape, ShapeKind};
@@ -40,6 +41,8 @@ pub struct Match {
     pub points_used: [usize; 2],
     /// What a user should know before trusting the result.
     pub warnings: Vec<String>,
+    /// Name and version of the weights that took part; null when none did.
+    pub weights: serde_json::Value,
 }
 
 /// Scan → graph → Laplacian → spectrum → features.
@@ -49,10 +52,29 @@ pub fn prepare(
     options: &PrepareOptions,
     progress: &mut Progress,
 ) -> Result<PreparedShape, Error> {
-    prepare_with_shape(shape, name, options, progress).map(|(prepared, _)| prepared)
+    prepare_with(Model::embedded(), shape, name, options, progress)
 }
 
-/// [`prepare`], and the shape that operators were built on: its points are the carriers.
+/// [`prepare`] with other weights than those that ship.
+pub fn prepare_with(
+    model: &Model,
+    shape: Shape,
+    name: Option<String>,
+    options: &PrepareOptions,
+    progress: &mut Progress,
+) -> Result<PreparedShape, Error> {
+    let (mut prepared, operator_shape) = prepare_with_shape(shape, name, options, progress)?;
+    progress.at(Stage::Features, 0.2)?;
+    let config = &model.weights().config;
+    let inputs = ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, progress)?;
+    progress.at(Stage::Features, 0.4)?;
+    prepared.embedding = Some(model.embed(&inputs));
+    progress.at(Stage::Features, 1.0)?;
+    prepared.info.seconds = progress.take_seconds();
+    Ok(prepared)
+}
+
+/// All of [`prepare`] but the network, and the shape that operators were built on: its points are the carriers.
 pub(crate) fn prepare_with_shape(
     shape: Shape,
     name: Option<String>,
@@ -129,7 +151,6 @@ pub(crate) fn prepare_with_shape(
         Some(used) => surface.at(used),
         None => surface,
     };
-    progress.at(Stage::Features, 1.0)?;
     if !report.complete {
         let message = "the eigenvalues are right, but it was not proved that none between them is missing".to_owned();
         repairs.push(Repair::noted("spectrum-not-proved", basis.k(), message));
@@ -148,9 +169,12 @@ pub(crate) fn prepare_with_shape(
         laplacian: kind,
         eigenpairs: basis.k(),
         residual: report.residual,
-        seconds: progress.take_seconds(),
+        seconds: BTreeMap::new(),
     };
-    Ok((PreparedShape { shape: as_read, info, repairs, basis, support, coarse, surface, features }, operator_shape))
+    Ok((
+        PreparedShape { shape: as_read, info, repairs, basis, support, coarse, surface, features, embedding: None },
+        operator_shape,
+    ))
 }
 
 /// Features of both → functional maps both ways → refinement → correspondence of every uploaded point.
@@ -161,13 +185,24 @@ pub async fn match_shapes<D: Device>(
     options: &MatchOptions,
     progress: &mut Progress<'_>,
 ) -> Result<Match, Error> {
+    match_with(Model::embedded(), device, a, b, options, progress).await
+}
+
+/// [`match_shapes`] with other weights than those that ship.
+pub async fn match_with<D: Device>(
+    model: &Model,
+    device: &D,
+    a: &PreparedShape,
+    b: &PreparedShape,
+    options: &MatchOptions,
+    progress: &mut Progress<'_>,
+) -> Result<Match, Error> {
     progress.at(Stage::FunctionalMap, 0.0)?;
     let parts = match options.parts {
-        Parts::Predicted => return Err(OptionError::no_weights().into()),
         Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
-        Parts::None => None,
+        Parts::Predicted | Parts::None => None,
     };
-    let (side_a, side_b) = (a.matchable(), b.matchable());
+    let (mut side_a, mut side_b) = (a.matchable(), b.matchable());
     let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
     let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
     let known = [
@@ -176,7 +211,15 @@ pub async fn match_shapes<D: Device>(
     ];
     let known = side_by_side(known.into_iter().flatten());
     let known = known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
-    let first = initial_maps(device, &side_a, &side_b, known, parts).await;
+    let mut weights = serde_json::Value::Null;
+    let first = match (&a.embedding, &b.embedding) {
+        (Some(of_a), Some(of_b)) => {
+            weights = model.weights().named();
+            let soft = masks(options.parts, of_a, of_b, parts);
+            learned_maps(device, model, [(&mut side_a, of_a), (&mut side_b, of_b)], soft, known).await
+        }
+        _ => initial_maps(device, &side_a, &side_b, known, parts).await,
+    };
 
     let raw = match options.raw {
         true => {
@@ -206,7 +249,31 @@ pub async fn match_shapes<D: Device>(
         seconds: progress.take_seconds(),
         points_used: [side_a.len(), side_b.len()],
         warnings,
+        weights,
     })
+}
+
+/// Probabilities of parts (p, c) on both sides that attention masks with: predicted, given labels as ones and noughts, or one part for all.
+fn masks(
+    parts: Parts,
+    of_a: &PointEmbedding,
+    of_b: &PointEmbedding,
+    given: Option<(&[u32], &[u32])>,
+) -> [Array2<f32>; 2] {
+    match (parts, given) {
+        (Parts::Given, Some((labels_a, labels_b))) => {
+            let all: BTreeSet<u32> = labels_a.iter().chain(labels_b).copied().collect();
+            let column: BTreeMap<u32, usize> =
+                all.into_iter().enumerate().map(|(column, label)| (label, column)).collect();
+            [labels_a, labels_b].map(|labels: &[u32]| {
+                let mut rows = Array2::zeros((labels.len(), column.len()));
+                labels.iter().enumerate().for_each(|(i, label)| rows[(i, column[label])] = 1.0);
+                rows
+            })
+        }
+        (Parts::Predicted, _) => [of_a.parts.clone(), of_b.parts.clone()],
+        _ => [of_a, of_b].map(|embedding| Array2::ones((embedding.parts.nrows(), 1))),
+    }
 }
 
 /// Points that carry surface: of a mesh those that belong to a face, of a cloud one at each place, because copies would take the

@@ -11,13 +11,14 @@ use safetensors::tensor::{Dtype, SafeTensors, View, serialize};
 use serde::{Deserialize, Serialize};
 
 use crate::fmap::Matchable;
+use crate::model::PointEmbedding;
 use crate::operators::{LaplacianKind, Surface};
 use crate::options;
 use crate::shape::{Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
 
 /// Version of the block's layout.
-const FORMAT: &str = "geose-prepared 3";
+const FORMAT: &str = "geose-prepared 4";
 
 /// What was found about a scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -78,8 +79,10 @@ pub struct PreparedShape {
     pub coarse: Vec<u32>,
     /// The surface around that sampling, at the points used.
     pub surface: Surface,
-    /// Descriptors (p, c).
+    /// Descriptors (p, c) that need no network.
     pub features: Array2<f32>,
+    /// What the network says of the points used; nothing before it was asked.
+    pub embedding: Option<PointEmbedding>,
 }
 
 /// Bytes that are not a prepared shape.
@@ -158,6 +161,11 @@ impl PreparedShape {
             ("normals", Tensor::of(Dtype::F64, self.surface.normals.as_flattened(), &[self.surface.normals.len(), 3])),
             ("features", Tensor::of(Dtype::F32, contiguous(features.as_slice())?, features.shape())),
         ];
+        let learned = self.embedding.as_ref();
+        let learned = learned.map(|e| [("learned", &e.features), ("partProbabilities", &e.parts)]);
+        for (name, matrix) in learned.into_iter().flatten() {
+            tensors.push((name, Tensor::of(Dtype::F32, contiguous(matrix.as_slice())?, matrix.shape())));
+        }
         let optional = [
             ("labels", self.shape.labels()),
             ("carriers", self.support.carriers.as_deref()),
@@ -246,8 +254,16 @@ impl PreparedShape {
             return Err(fail("its tables do not fit together"));
         }
         let features = Array2::from_shape_vec((p, features.len() / p), features).map_err(matrix)?;
+        let learned = |name: &str| -> Result<Array2<f32>, BlockError> {
+            let found = values::<f32>(&block, name, Dtype::F32)?;
+            Array2::from_shape_vec((p, found.len() / p), found).map_err(matrix)
+        };
+        let embedding = match block.names().contains(&"learned") {
+            true => Some(PointEmbedding { features: learned("learned")?, parts: learned("partProbabilities")? }),
+            false => None,
+        };
         let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
-        Ok(Self { shape, info, repairs, basis, support, coarse, surface, features })
+        Ok(Self { shape, info, repairs, basis, support, coarse, surface, features, embedding })
     }
 }
 

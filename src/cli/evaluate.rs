@@ -22,7 +22,7 @@ pub(super) struct Arguments {
     #[arg(long, default_value = "best", value_parser = parse::<Refinement>)]
     refine: Refinement,
     /// predicted, given or none.
-    #[arg(long, default_value = "none", value_parser = parse::<Parts>)]
+    #[arg(long, default_value = "predicted", value_parser = parse::<Parts>)]
     parts: Parts,
     /// A random rotation per shape: none, up (about --up, by default y) or so3.
     #[arg(long, default_value = "none", value_parser = parse::<Rotate>)]
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         seed: arguments.running.seed,
         oracle: arguments.oracle,
     };
-    let measured = evaluate(&task, &|line| eprintln!("{line}"))?;
+    let measured = evaluate(&task, arguments.running.model()?, &|line| eprintln!("{line}"))?;
     println!("{measured}");
     match &arguments.json {
         Some(file) => write(file, &(serde_json::to_string_pretty(&measured)? + "\n")),

@@ -21,7 +21,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.running.check()?;
-    let prepared = prepare_scan(&arguments.a, &arguments.preparing)?;
+    let prepared = prepare_scan(&arguments.a, &arguments.preparing, arguments.running.model()?)?;
     let info = serde_json::to_value(&prepared.info)?;
     if arguments.json {
         let both = serde_json::json!({ "info": info, "repairs": prepared.repairs });

@@ -122,7 +122,7 @@ struct How<'a> {
     #[serde(flatten)]
     options: &'a MatchOptions,
     device: &'a str,
-    weights: Option<()>,
+    weights: &'a serde_json::Value,
     warnings: &'a [String],
 }
 
@@ -143,7 +143,7 @@ fn json(Outcome { a, b, preparing, options, matched }: &Outcome) -> Result<Vec<u
     let document = Document {
         a: Scan::of(a, preparing),
         b: Scan::of(b, preparing),
-        how: How { options, device: "cpu", weights: None, warnings: &matched.warnings },
+        how: How { options, device: "cpu", weights: &matched.weights, warnings: &matched.warnings },
         map: pairs.enumerate().map(line).collect(),
     };
     Ok(serde_json::to_vec(&document)?)

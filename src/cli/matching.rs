@@ -2,7 +2,7 @@
 
 use super::map_file::{MapFile, Outcome};
 use super::{Failure, PathBuf, Preparing, Running, parse, prepare_scan};
-use crate::{Cpu, MatchOptions, OptionError, Parts, Progress, Refinement, UNMATCHED, match_shapes};
+use crate::{Cpu, MatchOptions, Parts, Progress, Refinement, UNMATCHED, match_with};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -20,7 +20,7 @@ pub(super) struct Arguments {
     #[arg(long, default_value = "best", value_parser = parse::<Refinement>)]
     refine: Refinement,
     /// predicted, given or none.
-    #[arg(long, default_value = "none", value_parser = parse::<Parts>)]
+    #[arg(long, default_value = "predicted", value_parser = parse::<Parts>)]
     parts: Parts,
     #[command(flatten)]
     running: Running,
@@ -28,14 +28,12 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.running.check()?;
-    if arguments.parts == Parts::Predicted {
-        return Err(OptionError::no_weights().into());
-    }
     arguments.output.check()?;
-    let a = prepare_scan(&arguments.a, &arguments.preparing)?;
-    let b = prepare_scan(&arguments.b, &arguments.preparing)?;
+    let model = arguments.running.model()?;
+    let a = prepare_scan(&arguments.a, &arguments.preparing, model)?;
+    let b = prepare_scan(&arguments.b, &arguments.preparing, model)?;
     let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, ..Default::default() };
-    let matched = pollster::block_on(match_shapes(&Cpu, &a, &b, &options, &mut Progress::silent()))?;
+    let matched = pollster::block_on(match_with(model, &Cpu, &a, &b, &options, &mut Progress::silent()))?;
     let preparing = &arguments.preparing.options();
     arguments.output.write(&Outcome { a: &a, b: &b, preparing, options: &options, matched: &matched })?;
     let (target, confidence) = (&matched.a_to_b.target, &matched.a_to_b.confidence);

@@ -11,7 +11,10 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::{Axis, LaplacianKind, OptionError, PrepareOptions, PreparedShape, Progress, Shape, Stage, prepare, read};
+use crate::{
+    Axis, LaplacianKind, Model, OptionError, PrepareOptions, PreparedShape, Progress, Shape, Stage, Weights,
+    prepare_with, read,
+};
 
 /// Which point of one deformable 3D scan is which point of the other.
 #[derive(Parser)]
@@ -99,12 +102,15 @@ impl Running {
         if self.device == Device::Webgpu {
             return Err("WebGPU is not in this build: use --device auto or cpu".into());
         }
-        match &self.weights {
-            Some(path) => {
-                Err(format!("{}: network weights are not in this build, none can be read", path.display()).into())
-            }
-            None => Ok(()),
-        }
+        Ok(())
+    }
+
+    /// The network, for as long as the program runs.
+    fn model(&self) -> Result<&'static Model, Failure> {
+        let Some(path) = &self.weights else { return Ok(Model::embedded()) };
+        let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let model = Weights::from_bytes(&bytes).and_then(Model::new).map_err(|e| format!("{}: {e}", path.display()))?;
+        Ok(Box::leak(Box::new(model)))
     }
 }
 
@@ -145,13 +151,14 @@ fn read_scan(path: &Path) -> Result<Shape, Failure> {
     Ok(read(&bytes, name.as_deref(), None).map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
-fn prepare_scan(path: &Path, preparing: &Preparing) -> Result<PreparedShape, Failure> {
+fn prepare_scan(path: &Path, preparing: &Preparing, model: &Model) -> Result<PreparedShape, Failure> {
     preparing.check()?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
     let mut progress = Progress::silent();
     progress.at(Stage::Read, 0.0)?;
     let shape = read_scan(path)?;
-    Ok(prepare(shape, name, &preparing.options(), &mut progress).map_err(|e| format!("{}: {e}", path.display()))?)
+    Ok(prepare_with(model, shape, name, &preparing.options(), &mut progress)
+        .map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
 fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {

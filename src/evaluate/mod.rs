@@ -23,8 +23,9 @@ use serde::{Deserialize, Serialize};
 use crate::device::Cpu;
 use crate::error::Error;
 use crate::fmap::Refinement;
-use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
-use crate::pipeline::{match_shapes, prepare};
+use crate::model::Model;
+use crate::options::{Axis, FaceUse, MatchOptions, Parts, PrepareOptions};
+use crate::pipeline::{match_with, prepare_with};
 use crate::prepared::PreparedShape;
 use crate::progress::Progress;
 use crate::shape::Shape;
@@ -96,11 +97,8 @@ pub struct Task {
 }
 
 /// Measures. `told` hears a line now and then.
-pub fn evaluate(task: &Task, told: &(dyn Fn(&str) + Sync)) -> Result<Evaluation, EvaluationError> {
+pub fn evaluate(task: &Task, model: &Model, told: &(dyn Fn(&str) + Sync)) -> Result<Evaluation, EvaluationError> {
     let set = DataSet::open(&task.dataset)?;
-    if task.parts() == Parts::Predicted {
-        return Err(EvaluationError::method(set.name(), OptionError::no_weights()));
-    }
     let pairs = set.pairs(task.pairs.as_deref())?;
     let pairs = selection::select(pairs, |pair| pair.join(" "), task.limit);
     let needed = needed(&set, task, &pairs)?;
@@ -140,7 +138,7 @@ pub fn evaluate(task: &Task, told: &(dyn Fn(&str) + Sync)) -> Result<Evaluation,
     };
     let prepared = on_all_cores(&needed, |(name, faces)| {
         count(name, needed.len());
-        prepare_one(&set, task, name, &shapes[name.as_str()], *faces)
+        prepare_one(&set, task, model, name, &shapes[name.as_str()], *faces)
     })?;
     started.store(0, Ordering::Relaxed);
     let at = |name: &String, faces| {
@@ -150,7 +148,7 @@ pub fn evaluate(task: &Task, told: &(dyn Fn(&str) + Sync)) -> Result<Evaluation,
     let measured = on_all_cores(&trials, |([a, b], truth)| {
         count(&format!("{a} {b}"), trials.len());
         let [faces_a, faces_b] = task.mode.faces();
-        measure(task, [a, b], [at(a, faces_a), at(b, faces_b)], truth, &rulers[b.as_str()])
+        measure(task, model, [a, b], [at(a, faces_a), at(b, faces_b)], truth, &rulers[b.as_str()])
     })?;
     Ok(summary(&set, task, prepared.into_iter().map(|(_, seconds)| seconds), measured))
 }
@@ -178,6 +176,7 @@ fn needed(set: &DataSet, task: &Task, pairs: &[[String; 2]]) -> Result<Vec<(Stri
 fn prepare_one(
     set: &DataSet,
     task: &Task,
+    model: &Model,
     name: &str,
     shape: &Shape,
     faces: FaceUse,
@@ -194,7 +193,8 @@ fn prepare_one(
         options.points = options.points.max(points.len());
     }
     let clock = Instant::now();
-    let prepared = prepare(shape, Some(name.to_owned()), &options, &mut Progress::silent()).map_err(failed)?;
+    let prepared =
+        prepare_with(model, shape, Some(name.to_owned()), &options, &mut Progress::silent()).map_err(failed)?;
     Ok((prepared, clock.elapsed().as_secs_f64()))
 }
 
@@ -208,6 +208,7 @@ struct Measured {
 
 fn measure(
     task: &Task,
+    model: &Model,
     [source, target]: [&String; 2],
     [a, b]: [&PreparedShape; 2],
     truth: &Truth,
@@ -223,7 +224,7 @@ fn measure(
         let (parts, refine) = (task.parts(), task.refine);
         let options = MatchOptions { parts, refine, raw: refine != Refinement::None, ..Default::default() };
         let mut progress = Progress::silent();
-        let matched = pollster::block_on(match_shapes(&Cpu, a, b, &options, &mut progress)).map_err(failed)?;
+        let matched = pollster::block_on(match_with(model, &Cpu, a, b, &options, &mut progress)).map_err(failed)?;
         (matched.a_to_b.target, matched.raw.map(|raw| raw.target))
     };
     let seconds = clock.elapsed().as_secs_f64();

@@ -74,6 +74,12 @@ impl Weights {
         Ok(Self { config, about, tensors })
     }
 
+    /// Name and version, as reports give them.
+    pub fn named(&self) -> serde_json::Value {
+        let about = |key: &str| self.about.get(key).map_or("unnamed", String::as_str);
+        serde_json::json!({ "name": about("name"), "version": about("version") })
+    }
+
     /// As a safetensors file, in f16 or in f32.
     pub fn to_bytes(&self, halves: bool) -> Result<Vec<u8>, WeightsError> {
         let bytes: Vec<(&String, [usize; 2], Vec<u8>)> = self

@@ -116,8 +116,9 @@ pub enum RunError {
 /// Steps between lines of the log, and between checkpoints.
 const LOG: usize = 20;
 const CHECKPOINT: usize = 200;
-/// Bodies that the first steps draw from; each step adds two.
-const FIRST_BODIES: usize = 48;
+/// Bodies that the first steps draw from, and steps that add one: training need not wait for all of them to be made.
+const FIRST_BODIES: usize = 300;
+const STEPS_PER_BODY: usize = 2;
 
 /// Trains in `folder`, which holds `state.safetensors` to resume from, `log.csv`, and at the end `weights.safetensors` (f16). `start` are
 /// weights to begin with instead of random ones. Stops when the run is complete (true) or `seconds` are over (false).
@@ -150,7 +151,7 @@ pub fn train(
     while step < run.steps {
         let mut rng = ChaCha8Rng::seed_from_u64(run.seed);
         rng.set_stream(1 + step as u64);
-        let bodies = pool.count.min(FIRST_BODIES + 2 * step);
+        let bodies = pool.count.min(FIRST_BODIES + step / STEPS_PER_BODY);
         let mut total = None;
         for _ in 0..run.batch {
             let (a, b) = (rng.random_range(0..bodies), rng.random_range(0..bodies));

@@ -111,7 +111,7 @@ pub(super) fn match_to_js(matched: &Match, peak_memory_bytes: f64) -> Result<JsV
         "peakMemoryBytes": peak_memory_bytes,
         "gpu": { "dispatches": 0, "uploads": 0, "downloads": 0 },
         "warnings": matched.warnings,
-        "weights": null,
+        "weights": matched.weights,
     });
     object([target, confidence, map, ("reverse", reverse), ("report", plain(&report))])
 }
