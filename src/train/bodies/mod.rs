@@ -10,6 +10,7 @@
 pub mod chance;
 pub mod cloud;
 pub mod data;
+pub mod held_out;
 pub mod joints;
 pub mod manifold;
 pub mod parts;
