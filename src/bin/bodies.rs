@@ -12,6 +12,7 @@ use clap::{Parser, Subcommand};
 use geose_fmap::train::bodies::BodyModel;
 use geose_fmap::train::bodies::held_out::{HELD_OUT_SEEDS, HeldOut, write_set};
 use geose_fmap::train::bodies::samples::{SampleError, write_samples};
+use geose_fmap::train::bodies::sheet::write_sheet;
 
 #[derive(Parser)]
 #[command(about = "Makes bodies from the CC0 MakeHuman data")]
@@ -30,6 +31,21 @@ enum Command {
         /// An existing folder.
         #[arg(long)]
         out: PathBuf,
+    },
+    /// Writes random bodies in rows, as one labelled PLY; `node scripts/sheet.mjs` makes a picture of it.
+    Sheet {
+        /// As above.
+        #[arg(long)]
+        data: PathBuf,
+        /// The PLY file.
+        #[arg(long)]
+        out: PathBuf,
+        /// Bodies.
+        #[arg(long, default_value_t = 24)]
+        count: usize,
+        /// Seed of the first body.
+        #[arg(long, default_value_t = 0)]
+        seed: u64,
     },
     /// Writes random bodies in the layout that `geose-fmap evaluate` reads.
     Set {
@@ -67,6 +83,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<Vec<String>, SampleError> {
     match command {
         Command::Samples { data, out } => write_samples(&BodyModel::load(&data)?, &out),
+        Command::Sheet { data, out, count, seed } => write_sheet(&BodyModel::load(&data)?, &out, count, seed),
         Command::Set { data, out, count, seed, points } => {
             write_set(&BodyModel::load(&data)?, &out, &HeldOut { count, seed, points })
         }

@@ -24,6 +24,7 @@ pub mod refine;
 pub mod samples;
 pub mod scan;
 pub mod shape_mixture;
+pub mod sheet;
 pub mod simplify;
 pub mod skeleton;
 pub mod skinning;
