@@ -104,8 +104,8 @@ impl BodyModel {
                 sole.touch(&pose, rest, &skin, &goals, uniform(rng, GAP), rng)
             }
             Gesture::Hands(_, places) => {
-                for side in 0..2 {
-                    let Some(place) = places[side] else { continue };
+                for (side, place) in places.into_iter().enumerate() {
+                    let Some(place) = place else { continue };
                     let limb = palm(side)?;
                     flat(&mut pose, &limb, side, rng);
                     let skin = self.skin_of(template, rest, &pose);

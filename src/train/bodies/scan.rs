@@ -107,9 +107,9 @@ impl BodyModel {
 
     /// Moves the skin outwards where something loose is worn: up to 3 cm, smoothly, in folds a hand wide.
     fn dress(&self, skin: &mut [DVec3], rng: &mut ChaCha8Rng) {
-        let worn: &[u32] = *pick(
+        let worn = pick::<&[u32]>(
             rng,
-            &[&[1u32, 2, 3][..], &[1, 2, 3, 4, 5], &[8, 9, 10, 11], &[8, 9], &[1, 8, 9], &[1, 2, 3, 4, 5, 8, 9]],
+            &[&[1, 2, 3], &[1, 2, 3, 4, 5], &[8, 9, 10, 11], &[8, 9], &[1, 8, 9], &[1, 2, 3, 4, 5, 8, 9]],
         );
         let mut thickness: Vec<f64> = self.labels.iter().map(|l| f64::from(u8::from(worn.contains(l)))).collect();
         for _ in 0..uniform(rng, 3.0..20.0) as usize {
