@@ -10,7 +10,9 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use geose_fmap::train::bodies::BodyModel;
+use geose_fmap::train::bodies::held_out::{HELD_OUT_SEEDS, HeldOut, write_set};
 use geose_fmap::train::bodies::samples::{SampleError, write_samples};
+use geose_fmap::train::bodies::sheet::write_sheet;
 
 #[derive(Parser)]
 #[command(about = "Makes bodies from the CC0 MakeHuman data")]
@@ -30,13 +32,45 @@ enum Command {
         #[arg(long)]
         out: PathBuf,
     },
+    /// Writes random bodies in rows, as one labelled PLY; `node scripts/sheet.mjs` makes a picture of it.
+    Sheet {
+        /// As above.
+        #[arg(long)]
+        data: PathBuf,
+        /// The PLY file.
+        #[arg(long)]
+        out: PathBuf,
+        /// Bodies.
+        #[arg(long, default_value_t = 24)]
+        count: usize,
+        /// Seed of the first body.
+        #[arg(long, default_value_t = 0)]
+        seed: u64,
+    },
+    /// Writes random bodies in the layout that `geose-fmap evaluate` reads.
+    Set {
+        /// As above.
+        #[arg(long)]
+        data: PathBuf,
+        /// The set's folder; made if missing.
+        #[arg(long)]
+        out: PathBuf,
+        /// Bodies.
+        #[arg(long, default_value_t = 24)]
+        count: usize,
+        /// Seed of the first body; training uses those below 800000.
+        #[arg(long, value_parser = clap::value_parser!(u64).range(HELD_OUT_SEEDS..))]
+        seed: u64,
+        /// Vertices of each mesh.
+        #[arg(long, default_value_t = 5000)]
+        points: usize,
+    },
 }
 
 fn main() -> ExitCode {
-    let Command::Samples { data, out } = Arguments::parse().command;
-    match run(&data, &out) {
+    match run(Arguments::parse().command) {
         Ok(files) => {
-            files.iter().for_each(|f| println!("{}", out.join(f).display()));
+            files.iter().for_each(|f| println!("{f}"));
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -46,6 +80,12 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(data: &std::path::Path, out: &std::path::Path) -> Result<Vec<String>, SampleError> {
-    write_samples(&BodyModel::load(data)?, out)
+fn run(command: Command) -> Result<Vec<String>, SampleError> {
+    match command {
+        Command::Samples { data, out } => write_samples(&BodyModel::load(&data)?, &out),
+        Command::Sheet { data, out, count, seed } => write_sheet(&BodyModel::load(&data)?, &out, count, seed),
+        Command::Set { data, out, count, seed, points } => {
+            write_set(&BodyModel::load(&data)?, &out, &HeldOut { count, seed, points })
+        }
+    }
 }

@@ -25,6 +25,34 @@ impl Pose {
     }
 }
 
+impl Pose {
+    /// Sets the turns of one limb's bones as [`Pose::turns`] would, those of the fingers apart; `side` is 0 for the left. The sole is level only if the turn of the
+    /// pelvis is already there.
+    pub fn turn_limb(&self, limb: LimbKind, side: usize, skeleton: &Skeleton, turns: &mut Vec<DQuat>) {
+        let name = if side == 0 { Side::Left } else { Side::Right };
+        let mut all = Turns { skeleton, turns: std::mem::take(turns) };
+        match limb {
+            LimbKind::Arm => {
+                all.arm(name, &self.arms[side]);
+                all.wrist(name, &self.arms[side]);
+            }
+            LimbKind::Leg => {
+                all.leg(name, &self.legs[side]);
+            }
+        }
+        *turns = all.turns;
+    }
+}
+
+/// An arm or a leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LimbKind {
+    /// From the shoulder blade to the wrist.
+    Arm,
+    /// From the hip to the ankle.
+    Leg,
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
     Left,
@@ -88,10 +116,16 @@ impl Turns<'_> {
         Some(())
     }
 
-    fn hand(&mut self, side: Side, arm: &Arm) -> Option<()> {
+    /// Bends the wrist; the axis about which wrist and fingers bend.
+    fn wrist(&mut self, side: Side, arm: &Arm) -> Option<DVec3> {
         let curl_axis = self.direction(side, "middle_01")?.cross(self.direction(side, "middle_03")?).try_normalize()?;
         let hand = self.skeleton.find(&side.bone("hand"))?;
         self.turns[hand] *= side.mirror_turn(about(curl_axis, arm.wrist));
+        Some(curl_axis)
+    }
+
+    fn hand(&mut self, side: Side, arm: &Arm) -> Option<()> {
+        let curl_axis = self.wrist(side, arm)?;
         for finger in ["index", "middle", "ring", "pinky", "thumb"] {
             let tip = self.direction(side, &format!("{finger}_03"));
             let axis = self.direction(side, &format!("{finger}_01")).zip(tip).map(|(a, b)| a.cross(b));

@@ -10,6 +10,7 @@
 pub mod chance;
 pub mod cloud;
 pub mod data;
+pub mod held_out;
 pub mod joints;
 pub mod manifold;
 pub mod parts;
@@ -23,6 +24,7 @@ pub mod refine;
 pub mod samples;
 pub mod scan;
 pub mod shape_mixture;
+pub mod sheet;
 pub mod simplify;
 pub mod skeleton;
 pub mod skinning;

@@ -5,8 +5,10 @@ use rand_chacha::ChaCha8Rng;
 use super::chance::{happens, normal, pick, uniform};
 use super::shape_mixture::Person;
 
-/// Spread of the sliders drawn as normals about their middle; a tenth of the people end at a limit.
+/// Spread of the sliders drawn as normals about their middle; one in fourteen ends at a limit.
 const SPREAD: f64 = 0.28;
+/// The same for height, whose limits are giants of 2.5 m and dwarfs.
+const HEIGHTS: f64 = 0.2;
 /// Most detail targets on one person.
 const DETAILS: usize = 10;
 
@@ -74,8 +76,8 @@ impl Person {
                 x
             }
         };
-        let mut slider = || snapped((0.5 + SPREAD * normal(rng)).clamp(0.0, 1.0));
-        let (muscle, weight, height) = (slider(), slider(), slider());
+        let mut slider = |spread: f64| snapped((0.5 + spread * normal(rng)).clamp(0.0, 1.0));
+        let (muscle, weight, height) = (slider(SPREAD), slider(SPREAD), slider(HEIGHTS));
         let sex = snapped((std::f64::consts::FRAC_PI_2 * uniform(rng, 0.0..1.0)).sin().powi(2));
         let age = match uniform(rng, 0.0..1.0) {
             u if u < 0.30 => uniform(rng, 0.52..0.95),
@@ -118,7 +120,7 @@ mod tests {
         assert!((share(&|p| p.age > 0.5) - 0.30).abs() < 0.08);
         assert!((share(&|p| p.age < 0.5) - 0.15).abs() < 0.07);
         assert!(share(&|p| p.sex < 0.1) > 0.15 && share(&|p| p.sex > 0.9) > 0.15);
-        assert!(share(&|p| p.height < 0.1) > 0.05 && share(&|p| p.weight > 0.9) > 0.05);
+        assert!(share(&|p| p.height < 0.25) > 0.05 && share(&|p| p.weight > 0.9) > 0.05);
         assert!(crowd.iter().all(|p| (p.ancestry.iter().sum::<f64>() - 1.0).abs() < 1e-12));
     }
 

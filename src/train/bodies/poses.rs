@@ -128,7 +128,7 @@ impl Pose {
                     knee: u(0.0..12.0),
                     ankle: None,
                 };
-                self.legs[1] = Leg { raise: u(-9.0..0.0), out: u(-3.0..4.0), knee: u(0.0..8.0), ..self.legs[1] };
+                self.legs[1] = Leg { raise: u(-7.0..0.0), out: u(-7.0..0.0), knee: u(0.0..8.0), ..self.legs[1] };
             }
             Stance::Stride => {
                 let pace = u(0.4..1.4);

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::chance::{happens, uniform};
 use super::data::DataError;
-use super::pose::Pose;
+use super::pose::{Arm, Pose};
 use super::reach::Contact;
 use super::shape_mixture::Person;
 use super::touch::{Gesture, Limb, Place, Skin};
@@ -18,8 +18,13 @@ const IN_CONTACT: f64 = 0.22;
 const THROUGH: f64 = 0.004;
 /// Smallest share of the spots in contact for a gesture to count: a palm has about 1 %.
 const TOUCHING: f64 = 0.006;
+/// Gap left between a hand or a sole and what it touches, in decimetres.
+const GAP: std::ops::Range<f64> = 0.02..0.09;
 /// Poses tried before the person is given up, too.
 const POSES: usize = 10;
+
+/// People tried before another gesture is taken.
+const PEOPLE: usize = 4;
 
 /// A body drawn at random.
 pub struct RandomBody {
@@ -53,10 +58,14 @@ impl BodyModel {
         rng: &mut ChaCha8Rng,
     ) -> Result<RandomBody, DataError> {
         let mut tries = 0;
-        loop {
+        let mut gesture = None;
+        for people in 0.. {
+            // Kept for some people, or easy gestures would crowd out the others.
+            if in_contact && people % PEOPLE == 0 {
+                gesture = Some(Gesture::random(rng));
+            }
             let person = Person::random(rng);
             let rest = self.rest(&person)?;
-            let gesture = in_contact.then(|| Gesture::random(rng));
             for _ in 0..POSES {
                 tries += 1;
                 let drawn = match gesture {
@@ -71,15 +80,18 @@ impl BodyModel {
                 }
             }
         }
+        unreachable!("people are drawn until one is accepted")
     }
 
     /// A pose with this gesture, if the limbs get there.
     fn gesture(&self, template: &Template, rest: &Rest, gesture: Gesture, rng: &mut ChaCha8Rng) -> Option<Pose> {
         let mut pose = Pose::in_stance(gesture.stance(), rng);
         pose.spine.forward = pose.spine.forward.clamp(-10.0, 35.0);
-        let palm = |side| Limb::palm(&self.data, &rest.shape, &rest.skeleton, side);
+        let palm = |side| Limb::palm(&self.data, rest, side);
         // Hands lie flat when they lie on something.
-        let flat = |pose: &mut Pose, side: usize, rng: &mut ChaCha8Rng| pose.arms[side].curl = uniform(rng, -14.0..8.0);
+        let flat = |pose: &mut Pose, limb: &Limb, side: usize, rng: &mut ChaCha8Rng| {
+            pose.arms[side].curl = limb.flat + uniform(rng, -3.0..9.0);
+        };
         match gesture {
             Gesture::Legs(_) => Some(pose),
             Gesture::Tree => {
@@ -87,17 +99,18 @@ impl BodyModel {
                 (pose.legs[1 - side].out, pose.legs[1 - side].raise) =
                     (uniform(rng, -3.0..5.0), uniform(rng, -3.0..4.0));
                 let skin = self.skin_of(template, rest, &pose);
-                let goal = skin.inner_leg(1 - side, rng)?;
-                let sole = Limb::sole(&self.data, &rest.shape, &rest.skeleton, side)?;
-                self.reaching(&sole, &pose, rest, &skin, goal, rng)
+                let goals = skin.inner_leg(1 - side, rng);
+                let sole = Limb::sole(&self.data, rest, side)?;
+                sole.touch(&pose, rest, &skin, &goals, uniform(rng, GAP), rng)
             }
             Gesture::Hands(_, places) => {
-                for side in 0..2 {
-                    let Some(place) = places[side] else { continue };
-                    flat(&mut pose, side, rng);
+                for (side, place) in places.into_iter().enumerate() {
+                    let Some(place) = place else { continue };
+                    let limb = palm(side)?;
+                    flat(&mut pose, &limb, side, rng);
                     let skin = self.skin_of(template, rest, &pose);
-                    let goal = skin.place(place, side, rng)?;
-                    pose = self.reaching(&palm(side)?, &pose, rest, &skin, goal, rng)?;
+                    let goals = skin.place(place, side, rng);
+                    pose = limb.touch(&pose, rest, &skin, &goals, uniform(rng, GAP), rng)?;
                 }
                 Some(pose)
             }
@@ -108,11 +121,12 @@ impl BodyModel {
                     (arm.elbow, arm.twist) = (uniform(rng, 80.0..115.0), uniform(rng, 30.0..60.0));
                 }
                 for (side, place) in [(first, Place::UpperArm), (1 - first, Place::Forearm)] {
-                    flat(&mut pose, side, rng);
+                    let limb = palm(side)?;
+                    flat(&mut pose, &limb, side, rng);
                     let place = if happens(rng, 0.5) { place } else { Place::UpperArm };
                     let skin = self.skin_of(template, rest, &pose);
-                    let goal = skin.place(place, side, rng)?;
-                    pose = self.reaching(&palm(side)?, &pose, rest, &skin, goal, rng)?;
+                    let goals = skin.place(place, side, rng);
+                    pose = limb.touch(&pose, rest, &skin, &goals, uniform(rng, GAP), rng)?;
                 }
                 Some(pose)
             }
@@ -120,27 +134,17 @@ impl BodyModel {
                 for bend in [&mut pose.pelvis, &mut pose.spine] {
                     (bend.left, bend.turn) = (0.0, 0.0);
                 }
-                flat(&mut pose, 0, rng);
-                let skin = self.skin_of(template, rest, &pose);
-                let goal = skin.before_chest(rng)?;
-                let mut pose = self.reaching(&palm(0)?, &pose, rest, &skin, goal, rng)?;
+                let limb = palm(0)?;
+                flat(&mut pose, &limb, 0, rng);
+                // Out of the way until it mirrors the left one.
+                pose.arms[1] = Arm { raise: 60.0, forward: -30.0, ..Arm::default() };
+                let mut skin = self.skin_of(template, rest, &pose);
+                let goals = skin.before_chest(rng);
+                let mut pose = limb.touch(&pose, rest, &skin, &goals, uniform(rng, GAP), rng)?;
                 pose.arms[1] = pose.arms[0];
                 Some(pose)
             }
         }
-    }
-
-    fn reaching(
-        &self,
-        limb: &Limb,
-        pose: &Pose,
-        rest: &Rest,
-        skin: &Skin,
-        goal: super::touch::Goal,
-        rng: &mut ChaCha8Rng,
-    ) -> Option<Pose> {
-        let gap = uniform(rng, 0.02..0.09);
-        limb.touch(pose, &rest.skeleton, skin, goal, gap, rest.size(), rng)
     }
 
     /// The spots of a posed body, in decimetres.
@@ -148,13 +152,13 @@ impl BodyModel {
         let posed = self.posed(rest, &pose.turns(&rest.skeleton));
         let (places, normals) = template.reach.frames(&template.pick(&posed.skin), &template.triangles);
         let places = places.into_iter().map(|p| p / METRES + posed.origin).collect();
-        Skin { reach: &template.reach, parts: &template.reach.parts, places, normals }
+        Skin { reach: &template.reach, parts: &template.reach.parts, places, normals, walls: Vec::new() }
     }
 }
 
 impl Rest {
     /// Stature over that of an adult (1.7 m).
-    fn size(&self) -> f64 {
+    pub(super) fn size(&self) -> f64 {
         let skin = &self.shape[..super::data::BODY_VERTICES.min(self.shape.len())];
         let (low, high) = skin.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.y), h.max(p.y)));
         (high - low) * METRES / 1.7

@@ -18,6 +18,8 @@ const NEAR: f64 = 0.06;
 const GAP: f64 = 0.015;
 /// Deeper than this is passing through (m).
 const DEEP: f64 = 0.015;
+/// The same inside a bent knee or elbow, where flesh is pressed together (m).
+const CREASE: f64 = 0.03;
 /// Surface of an adult in m².
 const AREA: f64 = 1.8;
 
@@ -95,17 +97,19 @@ impl Reach {
         let scale = (area / AREA).sqrt();
         let (places, normals) = self.frames(posed, triangles);
         let (mut touching, mut through) = (0, 0);
-        for depth in self.depths(&places, &normals, NEAR * scale).into_iter().flatten() {
+        for (spot, nearest) in self.depths(&places, &normals, NEAR * scale).into_iter().enumerate() {
+            let Some((depth, other)) = nearest else { continue };
+            let deep = if is_crease(self.parts[spot], self.parts[other]) { CREASE } else { DEEP };
             touching += usize::from(depth > -GAP * scale);
-            through += usize::from(depth > DEEP * scale);
+            through += usize::from(depth > deep * scale);
         }
         let share = |count: usize| count as f64 / self.spots.len().max(1) as f64;
         Contact { touching: share(touching), through: share(through) }
     }
 
-    /// For each spot how deep it lies behind the tangent plane of the nearest spot that is no neighbour and faces it (negative: before it), if there is one
-    /// within `near`.
-    fn depths(&self, places: &[DVec3], normals: &[DVec3], near: f64) -> Vec<Option<f64>> {
+    /// For each spot how deep it lies behind the tangent plane of the nearest spot that is no neighbour and faces it (negative: before it), and which it is, if
+    /// there is one within `near`.
+    fn depths(&self, places: &[DVec3], normals: &[DVec3], near: f64) -> Vec<Option<(f64, usize)>> {
         // Along x, so that only a slab of the body is compared with each spot.
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|&a, &b| places[a].x.total_cmp(&places[b].x));
@@ -124,15 +128,20 @@ impl Reach {
                     continue;
                 }
                 if squared < nearest[i].0 {
-                    nearest[i] = (squared, Some(-between.dot(normals[j])));
+                    nearest[i] = (squared, Some((-between.dot(normals[j]), j)));
                 }
                 if squared < nearest[j].0 {
-                    nearest[j] = (squared, Some(between.dot(normals[i])));
+                    nearest[j] = (squared, Some((between.dot(normals[i]), i)));
                 }
             }
         }
         nearest.into_iter().map(|(_, depth)| depth).collect()
     }
+}
+
+/// Whether two parts are thigh and shank of one leg or upper arm and forearm of one arm.
+fn is_crease(a: u32, b: u32) -> bool {
+    a.abs_diff(b) == 2 && matches!(a.min(b), 2 | 3 | 8 | 9)
 }
 
 #[cfg(test)]

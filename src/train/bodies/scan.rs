@@ -12,7 +12,7 @@ use super::data::DataError;
 use super::parts::mirrored_part;
 use super::{BodyModel, Template};
 use crate::progress::Cancelled;
-use crate::shape::{Shape, farthest_points, simplify};
+use crate::shape::{Shape, Simplified, farthest_points, simplify};
 
 /// What a scan may have. Shares are probabilities in [0, 1]; 0 switches a thing off.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,9 +107,9 @@ impl BodyModel {
 
     /// Moves the skin outwards where something loose is worn: up to 3 cm, smoothly, in folds a hand wide.
     fn dress(&self, skin: &mut [DVec3], rng: &mut ChaCha8Rng) {
-        let worn: &[u32] = *pick(
+        let worn = pick::<&[u32]>(
             rng,
-            &[&[1u32, 2, 3][..], &[1, 2, 3, 4, 5], &[8, 9, 10, 11], &[8, 9], &[1, 8, 9], &[1, 2, 3, 4, 5, 8, 9]],
+            &[&[1, 2, 3], &[1, 2, 3, 4, 5], &[8, 9, 10, 11], &[8, 9], &[1, 8, 9], &[1, 2, 3, 4, 5, 8, 9]],
         );
         let mut thickness: Vec<f64> = self.labels.iter().map(|l| f64::from(u8::from(worn.contains(l)))).collect();
         for _ in 0..uniform(rng, 3.0..20.0) as usize {
@@ -142,9 +142,21 @@ fn mesh(skin: &[DVec3], triangles: &[[u32; 3]], count: usize, rng: &mut ChaCha8R
     let stretch = if happens(rng, 0.25) { uniform(rng, 0.0..1.2) } else { 0.0 };
     let axis = normal_vector(rng).normalize_or(DVec3::X);
     let seen = |p: &DVec3| (*p + stretch * axis.dot(*p) * axis).to_array();
-    let shape = Shape::already_valid(skin.iter().map(seen).collect(), triangles.to_vec(), None);
-    let Ok(simple) = simplify(&shape, &allowed, count, &mut unheard) else { unreachable!("nobody cancels") };
+    let seen: Vec<[f64; 3]> = skin.iter().map(seen).collect();
+    let simple = connected(seen, triangles, &allowed, count);
     (simple.vertices.iter().map(|&v| skin[v as usize]).collect(), simple.faces, simple.vertices)
+}
+
+/// A mesh on `count` evenly spread vertices of the skin, out of a random half of them, and for each vertex of the skin the one that stands for it.
+pub(super) fn even_mesh(skin: &[DVec3], triangles: &[[u32; 3]], count: usize, rng: &mut ChaCha8Rng) -> Simplified {
+    let allowed: Vec<u32> = (0..skin.len() as u32).filter(|_| happens(rng, 0.5)).collect();
+    connected(skin.iter().map(DVec3::to_array).collect(), triangles, &allowed, count)
+}
+
+fn connected(places: Vec<[f64; 3]>, triangles: &[[u32; 3]], allowed: &[u32], count: usize) -> Simplified {
+    let shape = Shape::already_valid(places, triangles.to_vec(), None);
+    let Ok(simple) = simplify(&shape, allowed, count, &mut unheard) else { unreachable!("nobody cancels") };
+    simple
 }
 
 /// A cloud of `count` points of the surface.
