@@ -6,8 +6,8 @@ mod shapes;
 use std::sync::LazyLock;
 
 use geose_fmap::{
-    Cpu, EdgeDistances, FunctionalMap, LaplacianKind, Match, MatchOptions, Parts, PrepareOptions, PreparedShape,
-    Progress, Refinement, Shape, match_shapes, mean_error,
+    Cpu, EdgeDistances, FaceUse, FunctionalMap, LaplacianKind, Match, MatchOptions, Parts, PrepareOptions,
+    PreparedShape, Progress, Refinement, Shape, match_shapes, mean_error,
 };
 use ndarray::{Array1, Array2, Axis};
 use shapes::{Random, blob, body, icosphere, prepared, soup};
@@ -313,6 +313,38 @@ fn no_step_of_refinement_spoils_the_one_before() {
     let best = error(&FOUND.a_to_b.target, &b.shape);
     println!("error none {none:.2}, zoomout {zoomed:.2}, best {best:.2}");
     assert!(zoomed < none + 0.5 && best < zoomed + 0.2, "{none} {zoomed} {best}");
+}
+
+#[test]
+fn the_best_refinement_is_better_than_zoomout_on_people() {
+    let options = [PrepareOptions::default(), PrepareOptions { faces: FaceUse::Ignore, ..Default::default() }];
+    for ((file, other), options) in
+        [("woman-standing.ply", "man-lunging.ply"), ("man-standing.ply", "man-lunging.ply")].into_iter().zip(options)
+    {
+        let (a, b) = (prepared(body(file), &options), prepared(body(other), &options));
+        let [zoomed, best] = [Refinement::ZoomOut, Refinement::Best].map(|refine| {
+            let found = matched(&a, &b, &MatchOptions { refine, ..Default::default() });
+            error(&found.a_to_b.target, &body(other))
+        });
+        println!("{file} → {other}: zoomout {zoomed:.2}, best {best:.2}");
+        assert!(best < zoomed, "{file} → {other}: {zoomed} {best}");
+    }
+}
+
+#[test]
+fn turning_a_body_changes_no_match_and_neither_does_trying_again() {
+    let [a, b] = &*PAIR;
+    let again = matched(a, b, &MatchOptions::default());
+    assert_eq!((&again.a_to_b, &again.b_to_a), (&FOUND.a_to_b, &FOUND.b_to_a));
+    for options in [quick(), PrepareOptions { faces: FaceUse::Ignore, ..quick() }] {
+        let [woman, man] = [body("woman-standing.ply"), body("man-lunging.ply")];
+        let [a, b, lying] =
+            [woman.clone(), man.clone(), soup(&man).moved(shapes::turn).shape()].map(|s| prepared(s, &options));
+        let [upright, turned] = [&b, &lying].map(|b| matched(&a, b, &MatchOptions::default()));
+        let same = upright.a_to_b.target.iter().zip(&turned.a_to_b.target).filter(|(x, y)| x == y).count();
+        println!("{same} of 5000 points go to the same point of a body turned");
+        assert!(same > 4900, "{same}");
+    }
 }
 
 #[test]

@@ -47,6 +47,12 @@ pub(super) fn axis_rotations() -> Vec<Rotation> {
 /// The rotation that brings the rows of `from` nearest to those of `to` (n, 3), after centring both, and the root mean square
 /// distance that is left (Kabsch 1976).
 pub(super) fn best_rotation(from: ArrayView2<f64>, to: ArrayView2<f64>) -> (Rotation, f64) {
+    let (rotation, residual, _) = best_rotation_and_certainty(from, to);
+    (rotation, residual)
+}
+
+/// [`best_rotation`], and how well it is determined, from 0 to 2: 0 where points on a line, or a patch and its mirror image, leave a turn open.
+pub(super) fn best_rotation_and_certainty(from: ArrayView2<f64>, to: ArrayView2<f64>) -> (Rotation, f64, f64) {
     let n = from.nrows().max(1) as f64;
     let mean = |x: ArrayView2<f64>| -> [f64; 3] { std::array::from_fn(|c| x.column(c).sum() / n) };
     let (mean_from, mean_to) = (mean(from), mean(to));
@@ -63,7 +69,7 @@ pub(super) fn best_rotation(from: ArrayView2<f64>, to: ArrayView2<f64>) -> (Rota
         }
     }
     let Ok(svd) = correlation.svd() else {
-        return ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (total / n).sqrt());
+        return ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], (total / n).sqrt(), 0.0);
     };
     let (u, v) = (svd.U(), svd.V());
     // With a reflection as the best orthogonal matrix, the least important axis turns round.
@@ -72,7 +78,8 @@ pub(super) fn best_rotation(from: ArrayView2<f64>, to: ArrayView2<f64>) -> (Rota
         std::array::from_fn(|j| (0..3).map(|c| u[(i, c)] * v[(j, c)] * if c == 2 { handedness } else { 1.0 }).sum())
     });
     let aligned = svd.S()[0] + svd.S()[1] + handedness * svd.S()[2];
-    (rotation, ((total - 2.0 * aligned).max(0.0) / n).sqrt())
+    let certainty = (svd.S()[1] + handedness * svd.S()[2]) / svd.S()[0].max(f64::MIN_POSITIVE);
+    (rotation, ((total - 2.0 * aligned).max(0.0) / n).sqrt(), certainty)
 }
 
 /// Every row rotated: (n, 3) → (n, 3).

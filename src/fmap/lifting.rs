@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use super::alignment::{Rotation, best_rotation, turned};
+use super::alignment::{Rotation, best_rotation_and_certainty, turned};
 use super::{Correspondence, UNMATCHED};
 use crate::graph::{Neighbours, nearest_neighbours};
 use crate::prepared::PreparedShape;
@@ -16,6 +16,9 @@ const CELLS: usize = 4;
 /// Of two points used, the one is a neighbour for the map only if their images are at most this many times farther apart than they are: limbs that only
 /// touch part here.
 const STRETCH: f64 = 3.0;
+
+/// A turn determined less than this is none: where images fall together, rounding would choose it.
+const CERTAIN: f64 = 1e-3;
 
 /// The match of every uploaded point of `from` to an uploaded point of `to`, from `matched` between the points used.
 ///
@@ -173,9 +176,9 @@ impl Motion {
         };
         let (from, to) =
             (table(&|near| minus(source.points[near], x)), table(&|near| minus(target.points[target_of(near)], y)));
-        let (rotation, _) = best_rotation(from.view(), to.view());
+        let (rotation, _, certainty) = best_rotation_and_certainty(from.view(), to.view());
         let spacing = source.neighbours.mean_distance_from(row);
-        let scale = if neighbours.len() < 3 { 0.0 } else { scale };
+        let scale = if neighbours.len() < 3 || certainty < CERTAIN { 0.0 } else { scale };
         Self { rotation, scale, neighbours, spacing }
     }
 

@@ -62,7 +62,7 @@ pub(super) struct Schedule {
 pub(super) const MESH: Schedule = Schedule {
     rounds: 5,
     basis: [120, usize::MAX],
-    stiffness: [100.0, 1.0],
+    stiffness: [30.0, 1.0],
     spectral: [1.0, 1.0],
     coordinates: [4.0, 8.0],
     normals: [1.0, 1.0],
@@ -71,9 +71,9 @@ pub(super) const MESH: Schedule = Schedule {
 
 /// Where one of the two is a cloud.
 pub(super) const CLOUD: Schedule = Schedule {
-    rounds: 10,
+    rounds: 7,
     basis: [60, usize::MAX],
-    stiffness: [100.0, 0.3],
+    stiffness: [30.0, 0.3],
     spectral: [1.0, 1.0],
     coordinates: [4.0, 4.0],
     normals: [0.5, 1.0],

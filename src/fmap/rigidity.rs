@@ -161,27 +161,43 @@ impl Deformation {
     }
 }
 
-/// The rotation nearest to a matrix, sought from `q` on (Müller et al. 2016, "A robust method to extract the rotational part of deformations"). What
-/// a flat or straight neighbourhood leaves open stays as it was. Rational, so it is the same on every machine.
+/// The rotation nearest to a matrix, sought from `q` on by Newton's method for the largest trace of RᵀA; where that is not concave, by the steps of Müller et
+/// al. 2016 ("A robust method to extract the rotational part of deformations"). What a flat or straight neighbourhood leaves open stays as it was.
+/// Rational, so it is the same on every machine, and several times as fast as a singular value decomposition.
 fn nearest_rotation(a: &[Vector; 3], mut q: Quaternion) -> Quaternion {
-    let column = |m: &[Vector; 3], c: usize| [m[0][c], m[1][c], m[2][c]];
     for _ in 0..TURNS {
         let r = matrix(&q);
-        let (mut axis, mut agreement) = ([0.0; 3], 0.0);
-        for c in 0..3 {
-            axis = plus(axis, cross(column(&r, c), column(a, c)));
-            agreement += dot(column(&r, c), column(a, c));
-        }
-        let angle = norm(axis) / agreement.abs().max(f64::MIN_POSITIVE);
-        // Nothing to turn by, or nothing to turn.
+        // A Rᵀ: symmetric where R is the nearest rotation.
+        let m: [Vector; 3] = std::array::from_fn(|i| std::array::from_fn(|j| dot(a[i], r[j])));
+        let trace = m[0][0] + m[1][1] + m[2][2];
+        let axis = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
+        let hessian: [Vector; 3] = std::array::from_fn(|i| {
+            std::array::from_fn(|j| if i == j { (1.0 + 1e-9) * trace } else { 0.0 } - 0.5 * (m[i][j] + m[j][i]))
+        });
+        let turn = newton_step(&hessian, axis).unwrap_or_else(|| {
+            // Beyond half a turn the length says nothing.
+            let scale = trace.abs().max(0.5 * norm(axis)).max(f64::MIN_POSITIVE);
+            axis.map(|x| x / scale)
+        });
+        let angle = norm(turn);
         if !(STILL..f64::MAX).contains(&angle) {
             break;
         }
-        // A half turn at most: beyond that the length says nothing.
-        let half = axis.map(|x| 0.5 * x / agreement.abs().max(0.5 * norm(axis)));
-        q = unit(product([1.0, half[0], half[1], half[2]], q));
+        q = unit(product([1.0, 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2]], q));
     }
     q
+}
+
+/// H⁻¹ g for a positive definite H; none for others.
+fn newton_step(h: &[Vector; 3], g: Vector) -> Option<Vector> {
+    let first = cross(h[1], h[2]);
+    let (determinant, minor) = (dot(h[0], first), h[0][0] * h[1][1] - h[0][1] * h[1][0]);
+    if !(h[0][0] > 0.0 && minor > 0.0 && determinant > 0.0) {
+        return None;
+    }
+    // The columns of the inverse are those cross products of rows.
+    let (second, third) = (cross(h[2], h[0]), cross(h[0], h[1]));
+    Some(std::array::from_fn(|c| (g[0] * first[c] + g[1] * second[c] + g[2] * third[c]) / determinant))
 }
 
 fn matrix(&[w, x, y, z]: &Quaternion) -> Rotation {
@@ -218,4 +234,107 @@ fn product([a, b, c, d]: Quaternion, [e, f, g, h]: Quaternion) -> Quaternion {
 fn unit(q: Quaternion) -> Quaternion {
     let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
     q.map(|x| x / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Elastic, STILL, Vector, matrix, nearest_rotation, quaternion, unit};
+    use crate::fmap::alignment::{Rotation, turned};
+    use crate::vector::{minus, norm, plus, squared_distance};
+
+    /// A tube of radius 1 along x, 60 rings of 12 points, each holding on to those of the next ring and of its own.
+    fn rod() -> (Vec<Vector>, Vec<[u32; 2]>) {
+        let (mut points, mut touching) = (Vec::new(), Vec::new());
+        for ring in 0..60_u32 {
+            for step in 0..12_u32 {
+                let (s, c) = (f64::from(step) / 12.0 * std::f64::consts::TAU).sin_cos();
+                points.push([0.5 * f64::from(ring), c, s]);
+                let at = |ring: u32, step: u32| 12 * ring + step % 12;
+                let (own, next) = (at(ring, step), at(ring, step + 1));
+                touching.push([own.min(next), own.max(next)]);
+                if ring + 1 < 60 {
+                    touching.extend([[own, at(ring + 1, step)], [own, at(ring + 1, step + 1)]]);
+                }
+            }
+        }
+        (points, touching)
+    }
+
+    fn turn() -> Rotation {
+        matrix(&unit([0.3, -0.5, 0.7, 0.4]))
+    }
+
+    /// Root mean square of the relative change of edge lengths.
+    fn strain(elastic: &Elastic, touching: &[[u32; 2]], x: &[Vector]) -> f64 {
+        let length = |x: &[Vector], [i, j]: [u32; 2]| norm(minus(x[i as usize], x[j as usize]));
+        let square = |&edge: &[u32; 2]| (length(x, edge) / length(elastic.rest(), edge) - 1.0).powi(2);
+        (touching.iter().map(square).sum::<f64>() / touching.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn a_body_that_only_moves_is_put_exactly_there() {
+        let (rest, touching) = rod();
+        let elastic = Elastic::new(rest.clone(), &touching);
+        let moved: Vec<Vector> = rest.iter().map(|&p| plus(turned(&turn(), p), [3.0, -7.0, 2.0])).collect();
+        let pencil = elastic.pencil().expect("memory");
+        let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for stiffness in [0.1, 10.0, 1000.0] {
+            let start = elastic.laid_at(moved.clone(), &identity);
+            let weights: Vec<f64> = (0..rest.len()).map(|i| if i % 3 == 0 { 1.0 } else { 0.02 }).collect();
+            let laid = elastic.deform(&pencil, &moved, &weights, stiffness, start);
+            let worst =
+                laid.positions.iter().zip(&moved).map(|(&x, &y)| squared_distance(x, y).sqrt()).fold(0.0, f64::max);
+            assert!(worst < 1e-7, "μ = {stiffness}: {worst}");
+            let off = |r: &Rotation| r.iter().flatten().zip(turn().as_flattened()).any(|(r, t)| (r - t).abs() > 1e-7);
+            assert!(!laid.rotations().iter().any(off), "μ = {stiffness}");
+        }
+    }
+
+    #[test]
+    fn a_bent_rod_keeps_its_lengths_better_than_its_smoothed_targets_do() {
+        let (rest, touching) = rod();
+        let elastic = Elastic::new(rest.clone(), &touching);
+        // Bent along a quarter of a circle, and then smoothed as a few eigenfunctions would: thinner, and its bend cut short.
+        let radius = 29.5 / (0.5 * std::f64::consts::PI);
+        let bent = |&[x, y, z]: &Vector| {
+            let (s, c) = (x / radius).sin_cos();
+            [(radius - y) * s, radius - (radius - y) * c, z]
+        };
+        let truth: Vec<Vector> = rest.iter().map(bent).collect();
+        let mut targets = truth.clone();
+        for _ in 0..2 {
+            let before = targets.clone();
+            for (i, target) in targets.iter_mut().enumerate() {
+                let near = elastic.neighbours(i);
+                let sum = near.iter().fold([0.0; 3], |sum, &j| plus(sum, before[j as usize]));
+                *target = sum.map(|c| c / near.len() as f64);
+            }
+        }
+        let start = elastic.laid_at(targets.clone(), &[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let pencil = elastic.pencil().expect("memory");
+        let laid = elastic.deform(&pencil, &targets, &vec![1.0; rest.len()], 10.0, start);
+        let (smooth, rigid) = (strain(&elastic, &touching, &targets), strain(&elastic, &touching, &laid.positions));
+        println!("strain of the targets {smooth:.3}, of the rod {rigid:.3}, of the truth {:.3}", {
+            strain(&elastic, &touching, &truth)
+        });
+        assert!(smooth > 0.1 && rigid < 0.4 * smooth, "{smooth} {rigid}");
+    }
+
+    #[test]
+    fn a_rotation_is_found_from_afar_and_what_nothing_determines_stays() {
+        let near = |r: &Rotation, s: &Rotation| {
+            r.iter().flatten().zip(s.iter().flatten()).all(|(x, y)| (x - y).abs() < 100.0 * STILL)
+        };
+        let aim = turn();
+        let stretched: Rotation = std::array::from_fn(|i| std::array::from_fn(|j| [3.0, 2.0, 0.1][j] * aim[i][j]));
+        for start in [[1.0, 0.0, 0.0, 0.0], [0.1, 0.9, 0.1, -0.4], [-0.5, 0.5, 0.5, 0.5]] {
+            assert!(near(&matrix(&nearest_rotation(&stretched, unit(start))), &aim), "from {start:?}");
+        }
+        let nothing = [[0.0; 3]; 3];
+        let q = unit([0.2, 0.4, -0.6, 0.8]);
+        assert_eq!(nearest_rotation(&nothing, q), q);
+        for r in [matrix(&q), matrix(&[0.0, 1.0, 0.0, 0.0]), matrix(&[0.0, 0.0, 0.0, 1.0]), aim] {
+            assert!(near(&matrix(&quaternion(&r)), &r));
+        }
+    }
 }
