@@ -16,6 +16,7 @@ use crate::operators::{LaplacianKind, Surface};
 use crate::options;
 use crate::shape::{Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
+use crate::vector::{cross, dot, minus};
 
 /// Version of the block's layout.
 const FORMAT: &str = "geose-prepared 4";
@@ -132,6 +133,37 @@ impl PreparedShape {
         };
         let (features, coarse, surface) = (self.features.clone(), self.coarse.clone(), self.surface.clone());
         Matchable { basis, points, features, extra: None, coarse, surface }
+    }
+
+    /// The predicted part of each uploaded point, an index into [`crate::PARTS`]; nothing when no network was asked.
+    pub fn predicted_parts(&self) -> Option<Vec<u32>> {
+        let parts = &self.embedding.as_ref()?.parts;
+        let likeliest: Vec<u32> = parts
+            .rows()
+            .into_iter()
+            .map(|row| (0..row.len()).rev().max_by(|&i, &j| row[i].total_cmp(&row[j])).unwrap_or(0) as u32)
+            .collect();
+        Some((0..self.shape.points().len()).map(|i| likeliest[self.support.row_of(i)]).collect())
+    }
+
+    /// The area that each uploaded point stands for: a third of the faces around it, or of a cloud an equal share of its point used's.
+    pub fn point_areas(&self) -> Vec<f64> {
+        let n = self.shape.points().len();
+        let mut areas = vec![0.0; n];
+        if self.info.kind == ShapeKind::Mesh {
+            for face in self.shape.faces() {
+                let [a, b, c] = face.map(|i| self.shape.points()[i as usize]);
+                let normal = cross(minus(b, a), minus(c, a));
+                face.iter().for_each(|&i| areas[i as usize] += dot(normal, normal).sqrt() / 6.0);
+            }
+            return areas;
+        }
+        let rows: Vec<usize> = (0..n).map(|i| self.support.row_of(i)).collect();
+        let mut shares = vec![0.0; self.points_used()];
+        rows.iter().for_each(|&row| shares[row] += 1.0);
+        let mass = self.matchable().basis.mass;
+        rows.iter().zip(&mut areas).for_each(|(&row, area)| *area = mass[row] / shares[row]);
+        areas
     }
 
     /// Names of the parts that the given labels number, while they are few enough to be parts.

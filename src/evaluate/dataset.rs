@@ -103,6 +103,18 @@ impl DataSet {
         Ok(labels)
     }
 
+    /// The names of the parts and the part of each of a shape's `points`; nothing where the set has no labels for it.
+    pub(super) fn labels_if_any(
+        &self,
+        name: &str,
+        points: usize,
+    ) -> Result<Option<(Vec<String>, Vec<u32>)>, EvaluationError> {
+        if !self.folder.join("labels").join(format!("{name}.txt")).exists() {
+            return Ok(None);
+        }
+        Ok(Some((self.part_names()?, self.labels(name, points)?)))
+    }
+
     fn part_names(&self) -> Result<Vec<String>, EvaluationError> {
         let path = self.folder.join("labels.json");
         let problem =

@@ -5,6 +5,7 @@ mod cores;
 mod dataset;
 mod error;
 mod oracle;
+mod part_classes;
 mod report;
 mod rotation;
 mod ruler;
@@ -22,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::device::Cpu;
 use crate::error::Error;
-use crate::fmap::Refinement;
+use crate::fmap::{Refinement, part_scores};
 use crate::model::Model;
 use crate::options::{Axis, FaceUse, MatchOptions, Parts, PrepareOptions};
 use crate::pipeline::{match_with, prepare_with};
@@ -33,6 +34,7 @@ use crate::shape::Shape;
 use cores::on_all_cores;
 use dataset::DataSet;
 pub use error::EvaluationError;
+use part_classes::class_of_parts;
 pub use report::{Evaluation, PairResult};
 pub use rotation::Rotate;
 use ruler::Ruler;
@@ -150,7 +152,11 @@ pub fn evaluate(task: &Task, model: &Model, told: &(dyn Fn(&str) + Sync)) -> Res
         let [faces_a, faces_b] = task.mode.faces();
         measure(task, model, [a, b], [at(a, faces_a), at(b, faces_b)], truth, &rulers[b.as_str()])
     })?;
-    Ok(summary(&set, task, prepared.into_iter().map(|(_, seconds)| seconds), measured))
+    let mut ious = Vec::new();
+    for ((name, _), (shape, _)) in needed.iter().zip(&prepared) {
+        ious.extend(part_iou(&set, name, shape)?);
+    }
+    Ok(summary(&set, task, prepared.into_iter().map(|(_, seconds)| seconds), ious, measured))
 }
 
 /// The shapes to prepare, and what for.
@@ -202,6 +208,7 @@ fn prepare_one(
 struct Measured {
     result: PairResult,
     accuracy: [f64; THRESHOLDS.len()],
+    same_part: Option<f64>,
     flipped_points: Option<f64>,
     seconds: f64,
 }
@@ -234,9 +241,24 @@ fn measure(
     Ok(Measured {
         result: PairResult { source: source.clone(), target: target.clone(), age: errors.age(), age_raw, flipped },
         accuracy: THRESHOLDS.map(|(_, threshold)| errors.accuracy(threshold)),
+        same_part: truth.vertex_of.is_none().then(|| same_part(a, b, &truth.lines)).flatten(),
         flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
         seconds,
     })
+}
+
+/// Intersection over union of predicted parts and a set's own, where it has labels that the parts can be merged to.
+fn part_iou(set: &DataSet, name: &str, shape: &PreparedShape) -> Result<Option<f64>, EvaluationError> {
+    let Some((names, given)) = set.labels_if_any(name, shape.shape.points().len())? else { return Ok(None) };
+    let (Some(predicted), Some(classes)) = (shape.predicted_parts(), class_of_parts(&names)) else { return Ok(None) };
+    let predicted: Vec<u32> = predicted.into_iter().map(|part| classes[part as usize]).collect();
+    Ok(Some(part_scores(&predicted, &given, &shape.point_areas()).mean_iou))
+}
+
+/// The share of lines whose two points have the same predicted part.
+fn same_part(a: &PreparedShape, b: &PreparedShape, lines: &[(u32, u32)]) -> Option<f64> {
+    let (of_a, of_b) = (a.predicted_parts()?, b.predicted_parts()?);
+    mean(lines.iter().map(|&(i, j)| f64::from(u8::from(of_a[i as usize] == of_b[j as usize]))))
 }
 
 /// Φ (n, k) at every uploaded point.
@@ -252,6 +274,7 @@ fn summary(
     set: &DataSet,
     task: &Task,
     seconds_per_shape: impl Iterator<Item = f64>,
+    ious: Vec<f64>,
     measured: Vec<Measured>,
 ) -> Evaluation {
     let over_pairs = |value: &dyn Fn(&Measured) -> f64| mean(measured.iter().map(value));
@@ -270,9 +293,8 @@ fn summary(
         accuracy: accuracy.collect(),
         flips: (!flipped.is_empty()).then(|| flipped.iter().filter(|&&flipped| flipped).count()),
         flipped_points: mean(measured.iter().filter_map(|m| m.flipped_points)),
-        // Nothing predicts parts without weights; `part_scores` is ready for it.
-        part_miou: None,
-        part_agreement: None,
+        part_miou: mean(ious.into_iter()),
+        part_agreement: mean(measured.iter().filter_map(|m| m.same_part)),
         seconds_per_shape: mean(seconds_per_shape),
         seconds_per_pair: over_pairs(&|m| m.seconds),
         per_pair: measured.into_iter().map(|m| m.result).collect(),

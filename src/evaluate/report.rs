@@ -39,7 +39,7 @@ pub struct Evaluation {
     pub flipped_points: Option<f64>,
     /// Intersection over union of predicted and given parts by area, mean over parts, then over shapes.
     pub part_miou: Option<f64>,
-    /// The share of the area where predicted and given parts agree, mean over shapes.
+    /// The share of corresponding points that have the same predicted part, mean over pairs.
     pub part_agreement: Option<f64>,
     /// Mean seconds to prepare a shape.
     pub seconds_per_shape: Option<f64>,
