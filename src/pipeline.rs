@@ -16,7 +16,7 @@ use crate::model::{Model, PointEmbedding};
 use crate::operators::{self, Laplacian, LaplacianKind, Surface};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 use crate::prepared::{Info, PreparedShape, ShapeKind};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::{
     Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, counted, farthest_points, set_crumbs_aside, support,
 };
@@ -66,7 +66,12 @@ pub fn prepare_with(
     let (mut prepared, operator_shape) = prepare_with_shape(shape, name, options, progress)?;
     progress.at(Stage::Features, 0.2)?;
     let config = &model.weights().config;
-    let inputs = ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, progress)?;
+    let inputs = {
+        // Gradients take a graph again, but for who listens no stage comes twice.
+        let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.2).is_ok());
+        ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, &mut within)
+            .map_err(|_| Cancelled { stage: Stage::Features })?
+    };
     progress.at(Stage::Features, 0.4)?;
     prepared.embedding = Some(model.embed(&inputs));
     progress.at(Stage::Features, 1.0)?;
