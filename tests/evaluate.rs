@@ -254,7 +254,7 @@ fn matches_are_measured_raw_and_refined_in_every_mode() {
     for mode in ["mesh", "cloud", "mesh-cloud"] {
         let found = set.measured(&[&MATCH[..], &["--mode", mode]].concat());
         assert_eq!(found["mode"], mode);
-        assert_eq!((&found["refine"], &found["parts"]), (&"best".into(), &"none".into()));
+        assert_eq!((&found["refine"], &found["parts"]), (&"best".into(), &"predicted".into()));
         let (age, raw) = (number(&found["age"]), number(&found["age_raw"]));
         assert!(age <= raw && age < 2.5, "{mode}: {age}, raw {raw}");
         // The same raw match comes out when nothing else is asked for.
