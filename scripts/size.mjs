@@ -4,8 +4,8 @@ import path from 'node:path';
 import { brotliCompressSync, gzipSync } from 'node:zlib';
 import { Failure, root } from './run.mjs';
 
-/** Bytes: as it lies on the disk, and as most servers send it. */
-const BUDGET = { raw: 2_500_000, gzip: 900_000 };
+/** Bytes: as it lies on the disk, and as most servers send it. 592 kB of them are the network's weights, which gzip to 545 kB. */
+const BUDGET = { raw: 2_900_000, gzip: 1_400_000 };
 
 /** Prints the size of a built module against the budget. */
 export function checkSize(file) {

@@ -16,7 +16,7 @@ use crate::model::{Model, PointEmbedding};
 use crate::operators::{self, Laplacian, LaplacianKind, Surface};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 use crate::prepared::{Info, PreparedShape, ShapeKind};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::{
     Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, counted, farthest_points, set_crumbs_aside, support,
 };
@@ -45,7 +45,7 @@ pub struct Match {
     pub weights: serde_json::Value,
 }
 
-/// Scan → graph → Laplacian → spectrum → features.
+/// Scan → graph → Laplacian → spectrum → features and parts.
 pub fn prepare(
     shape: Shape,
     name: Option<String>,
@@ -66,7 +66,12 @@ pub fn prepare_with(
     let (mut prepared, operator_shape) = prepare_with_shape(shape, name, options, progress)?;
     progress.at(Stage::Features, 0.2)?;
     let config = &model.weights().config;
-    let inputs = ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, progress)?;
+    let inputs = {
+        // Gradients take a graph again, but for who listens no stage comes twice.
+        let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.2).is_ok());
+        ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, &mut within)
+            .map_err(|_| Cancelled { stage: Stage::Features })?
+    };
     progress.at(Stage::Features, 0.4)?;
     prepared.embedding = Some(model.embed(&inputs));
     progress.at(Stage::Features, 1.0)?;
@@ -230,7 +235,8 @@ pub async fn match_with<D: Device>(
         false => None,
     };
     let (a_to_b, b_to_a, maps) = refine(device, (&side_a, &side_b), first, parts, options.refine, progress).await?;
-    let mut warnings = warnings(a, b);
+    let untrained = weights.is_null().then(|| UNTRAINED.to_owned());
+    let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
     warnings.extend(doubts(stretch(&side_a, &side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) =
         (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
@@ -379,10 +385,12 @@ fn longest_axis(points: &[[f64; 3]]) -> Option<Axis> {
         .find_map(|(c, axis)| (0..3).all(|other| other == c || extents[c] > 1.5 * extents[other]).then_some(axis))
 }
 
+/// Why to doubt a match of geometric descriptors alone.
+const UNTRAINED: &str = "matched without a trained network: where the poses differ, limbs or the whole body may be matched the wrong way round, also at high confidence";
+
 /// What the shapes themselves give reason to doubt.
 fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
-    let mut warnings =
-        vec!["matched without a trained network: where the poses differ, limbs or the whole body may be matched the wrong way round, also at high confidence".to_owned()];
+    let mut warnings = Vec::new();
     for (scan, shape) in [("A", a), ("B", b)] {
         if shape.info.pieces > 1 {
             let pieces = shape.info.pieces;

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
-use ndarray::{Array1, Array2, Axis};
+use ndarray::{Array1, Array2, ArrayView1, Axis};
 use safetensors::tensor::{Dtype, SafeTensors, View, serialize};
 use serde::{Deserialize, Serialize};
 
@@ -14,12 +14,13 @@ use crate::fmap::Matchable;
 use crate::model::PointEmbedding;
 use crate::operators::{LaplacianKind, Surface};
 use crate::options;
+use crate::parts::PARTS;
 use crate::shape::{Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
 use crate::vector::{cross, dot, minus};
 
 /// Version of the block's layout.
-const FORMAT: &str = "geose-prepared 4";
+const FORMAT: &str = "geose-prepared 5";
 
 /// What was found about a scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -137,13 +138,8 @@ impl PreparedShape {
 
     /// The predicted part of each uploaded point, an index into [`crate::PARTS`]; nothing when no network was asked.
     pub fn predicted_parts(&self) -> Option<Vec<u32>> {
-        let parts = &self.embedding.as_ref()?.parts;
-        let likeliest: Vec<u32> = parts
-            .rows()
-            .into_iter()
-            .map(|row| (0..row.len()).rev().max_by(|&i, &j| row[i].total_cmp(&row[j])).unwrap_or(0) as u32)
-            .collect();
-        Some((0..self.shape.points().len()).map(|i| likeliest[self.support.row_of(i)]).collect())
+        let likeliest = likeliest_parts(&self.embedding.as_ref()?.parts);
+        Some((0..self.shape.points().len()).map(|i| u32::from(likeliest[self.support.row_of(i)])).collect())
     }
 
     /// The area that each uploaded point stands for: a third of the faces around it, or of a cloud an equal share of its point used's.
@@ -166,11 +162,14 @@ impl PreparedShape {
         areas
     }
 
-    /// Names of the parts that the given labels number, while they are few enough to be parts.
+    /// Names of the parts and where they are from: given labels, while they are few enough to be parts, or else the network.
     fn parts(&self) -> Option<serde_json::Value> {
-        let highest = self.shape.labels()?.iter().copied().max().filter(|&highest| highest < 256)?;
-        let names: Vec<String> = (0..=highest).map(|part| format!("part {part}")).collect();
-        Some(serde_json::json!({ "names": names, "source": "given" }))
+        let labels = self.shape.labels().unwrap_or_default();
+        if let Some(highest) = labels.iter().copied().max().filter(|&highest| highest < 256) {
+            let names: Vec<String> = (0..=highest).map(|part| format!("part {part}")).collect();
+            return Some(serde_json::json!({ "names": names, "source": "given" }));
+        }
+        self.embedding.as_ref().map(|_| serde_json::json!({ "names": PARTS, "source": "predicted" }))
     }
 
     /// The flat block: safetensors, little-endian.
@@ -198,6 +197,9 @@ impl PreparedShape {
         for (name, matrix) in learned.into_iter().flatten() {
             tensors.push((name, Tensor::of(Dtype::F32, contiguous(matrix.as_slice())?, matrix.shape())));
         }
+        // Only for the owner of the bytes, who is to look them up and not to compute.
+        let likeliest = self.embedding.as_ref().map(|e| likeliest_parts(&e.parts));
+        tensors.extend(likeliest.iter().map(|parts| ("partLabels", Tensor::of(Dtype::U8, parts, &[parts.len()]))));
         let optional = [
             ("labels", self.shape.labels()),
             ("carriers", self.support.carriers.as_deref()),
@@ -297,6 +299,15 @@ impl PreparedShape {
         let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
         Ok(Self { shape, info, repairs, basis, support, coarse, surface, features, embedding })
     }
+}
+
+/// The most probable part (p) of each row of probabilities (p, 14); the first of equals.
+fn likeliest_parts(probabilities: &Array2<f32>) -> Vec<u8> {
+    let likeliest = |row: ArrayView1<f32>| {
+        let first = (0, f32::NEG_INFINITY);
+        row.iter().zip(0..).fold(first, |(part, most), (&p, i)| if p > most { (i, p) } else { (part, most) }).0
+    };
+    probabilities.rows().into_iter().map(likeliest).collect()
 }
 
 fn contiguous<T>(slice: Option<&[T]>) -> Result<&[T], BlockError> {

@@ -8,10 +8,11 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use geose_fmap::{
-    BlockError, Correspondence, Cpu, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, Parts,
+    BlockError, Correspondence, Cpu, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, PARTS, Parts,
     PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
     prepare, read,
 };
+use safetensors::SafeTensors;
 use shapes::{
     BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, soup, subdivided, torus,
     turn,
@@ -188,6 +189,40 @@ fn a_prepared_shape_comes_back_from_its_bytes() {
     assert_eq!(one.a_to_b, other.a_to_b, "and matches as before");
 }
 
+#[test]
+fn parts_in_a_block_are_as_given_or_else_the_likeliest_for_the_network() {
+    let parts_of = |shape: &PreparedShape| -> serde_json::Value {
+        let bytes = shape.to_bytes().expect("bytes");
+        let (_, header) = SafeTensors::read_metadata(&bytes).expect("a header");
+        let likeliest =
+            SafeTensors::deserialize(&bytes).expect("tensors").tensor("partLabels").expect("parts").data().to_vec();
+        let probabilities = &shape.embedding.as_ref().expect("an embedding").parts;
+        assert_eq!((likeliest.len(), probabilities.ncols()), (shape.points_used(), PARTS.len()));
+        for (&part, row) in likeliest.iter().zip(probabilities.rows()) {
+            assert!(row.iter().all(|&p| p <= row[part as usize]) && (row.sum() - 1.0).abs() < 1e-5, "{part} of {row}");
+        }
+        serde_json::from_str(&header.metadata().as_ref().expect("metadata")["parts"]).expect("JSON")
+    };
+    let given = serde_json::json!({ "names": ["part 0", "part 1", "part 2"], "source": "given" });
+    assert_eq!(parts_of(&SMALL), given);
+    let mut numbered = SMALL.clone();
+    for labels in [None, Some((0..163).map(|i| 1000 * i).collect())] {
+        numbered.shape =
+            Shape::new(SMALL.shape.points().to_vec(), SMALL.shape.faces().to_vec(), labels).expect("valid");
+        assert_eq!(parts_of(&numbered), serde_json::json!({ "names": PARTS, "source": "predicted" }));
+    }
+}
+
+#[test]
+fn only_a_match_without_weights_warns_that_it_had_none() {
+    let untrained = |found: &Match| found.warnings.iter().any(|w| w.starts_with("matched without a trained network"));
+    let with = matched(&SMALL, &SMALL);
+    assert!(!untrained(&with) && with.weights["name"].is_string() && with.weights["version"].is_string());
+    let bare = PreparedShape { embedding: None, ..SMALL.clone() };
+    let without = matched(&bare, &SMALL);
+    assert!(untrained(&without) && without.weights.is_null());
+}
+
 /// A block that is no longer what was written is refused, or at least can be matched without a panic.
 fn survive(bytes: &[u8]) -> Result<(), BlockError> {
     let shape = PreparedShape::from_bytes(bytes)?;
@@ -235,7 +270,7 @@ fn a_block_with_flipped_bytes_never_panics() {
 #[test]
 fn bytes_that_were_never_a_block_are_refused() {
     let mut other_version = SMALL.to_bytes().expect("bytes");
-    let at = other_version.windows(16).position(|w| w == b"geose-prepared 3").expect("the format");
+    let at = other_version.windows(16).position(|w| w == b"geose-prepared 5").expect("the format");
     other_version[at + 15] = b'1';
     let huge = [&u64::MAX.to_le_bytes()[..], &[b'{'; 100]].concat();
     let empty = [&2u64.to_le_bytes()[..], b"{}"].concat();
@@ -430,8 +465,6 @@ fn match_options_that_cannot_be_are_refused() {
         let error = refused(small, &bare, MatchOptions { landmarks: vec![[0, 0], pair], ..Default::default() });
         assert_eq!(error.code(), "invalid-option", "{pair:?}");
     }
-    let predicted = refused(small, small, MatchOptions { parts: Parts::Predicted, ..Default::default() });
-    assert_eq!(predicted.code(), "not-in-build");
     let given = refused(small, &bare, MatchOptions { parts: Parts::Given, ..Default::default() });
     assert_eq!((given.code(), given.details()["scan"].as_str()), ("no-labels", Some("b")));
 }

@@ -113,6 +113,8 @@ fn two_sample_bodies_match_through_the_bindings_with_every_stage_told() {
     assert_eq!((target.length(), confidence.length()), (5000, 5000));
     let map: JsValue = get(&matched, "functionalMap");
     assert_eq!(get::<Float64Array>(&map, "data").length(), 60 * 60);
+    let weights: JsValue = get(&get::<JsValue>(&matched, "report"), "weights");
+    assert!(["name", "version"].iter().all(|key| get::<JsValue>(&weights, key).is_string()), "{weights:?}");
     // Point i of one sample is point i of the other.
     let man = read(MAN, None, None).expect("a scan");
     let far = |(i, j): (usize, u32)| distance(man.points()[i], man.points()[j as usize]);

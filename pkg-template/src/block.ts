@@ -43,6 +43,11 @@ export class Block {
     return buffer && new Float32Array(buffer);
   }
 
+  uint8(name: string): Uint8Array<ArrayBuffer> | null {
+    const buffer = this.#buffer(name, 'U8');
+    return buffer && new Uint8Array(buffer);
+  }
+
   uint32(name: string): Uint32Array<ArrayBuffer> | null {
     const buffer = this.#buffer(name, 'U32');
     return buffer && new Uint32Array(buffer);

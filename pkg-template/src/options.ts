@@ -83,7 +83,10 @@ export interface SpectrumOptions extends CallOptions {
 
 /** How two shapes are matched. */
 export interface MatchOptions extends CallOptions {
-  /** Which part labels keep points of different parts apart. This build predicts none: `'none'` is the default. */
+  /**
+   * Which body parts keep points of different parts apart: those that the network predicts, as far as it is sure of them (default), the labels
+   * that came with both scans, strictly, or none.
+   */
   parts?: 'predicted' | 'given' | 'none' | undefined;
   /** How the first map is polished (default `'best'`). */
   refine?: 'best' | 'zoomout' | 'none' | undefined;

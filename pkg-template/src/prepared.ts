@@ -31,7 +31,7 @@ export class PreparedShape {
     this.repairs = block.json<Repair[] | null>('repairs') ?? [];
   }
 
-  /** Body parts of the uploaded points; null when none were given or predicted. */
+  /** Body parts of the uploaded points, as given with the scan or else as predicted; null when there are neither. */
   get parts(): Parts | null {
     const block = this.#open();
     return (this.#parts ??= partsOf(block));
@@ -61,7 +61,7 @@ export class PreparedShape {
     if (!samples) return { eigenvalues, eigenvectors, mass };
     return {
       eigenvalues,
-      eigenvectors: rows(eigenvectors, eigenvalues.length, samples.nearest),
+      eigenvectors: rows(Float64Array, eigenvectors, eigenvalues.length, samples.nearest),
       mass: scattered(mass, samples.indices, samples.nearest.length),
     };
   }
@@ -76,7 +76,7 @@ export class PreparedShape {
     const eigenvectors = block.float64('eigenvectors') ?? new Float64Array();
     const column = Float64Array.from({ length }, (_, row) => eigenvectors[row * k + index] ?? 0);
     const samples = sampling(block);
-    return samples ? rows(column, 1, samples.nearest) : column;
+    return samples ? rows(Float64Array, column, 1, samples.nearest) : column;
   }
 
   /** Lets go of the block. Calls that are already under way finish. */
@@ -101,13 +101,50 @@ export const preparedFrom = (bytes: Uint8Array<ArrayBuffer>): PreparedShape => c
 export const blockOf = (shape: PreparedShape): Uint8Array<ArrayBuffer> => open(shape).bytes;
 
 function partsOf(block: Block): Parts | null {
-  const parts = block.json<{ names: string[]; source: Parts['source'] } | null>('parts');
-  const given = block.uint32('labels');
-  if (!parts || !given) return null;
-  const probabilities = new Float32Array(given.length * parts.names.length);
-  given.forEach((label, point) => (probabilities[point * parts.names.length + label] = 1));
-  return { labels: Uint8Array.from(given), probabilities, names: parts.names, source: parts.source };
+  const parts = block.json<Pick<Parts, 'names' | 'source'> | null>('parts');
+  const table = parts && (parts.source === 'given' ? givenParts(block, parts.names.length) : predictedParts(block, parts.names.length));
+  if (!table) return null;
+  let probabilities: Parts['probabilities'] | undefined;
+  return {
+    ...parts,
+    labels: table.labels,
+    get probabilities() {
+      return (probabilities ??= table.probabilities());
+    },
+  };
 }
+
+/** Labels per uploaded point, and how to make the matrix of probabilities: for a large scan it is large, and few ask for it. */
+type PartTable = Pick<Parts, 'labels'> & { probabilities(): Parts['probabilities'] };
+
+function givenParts(block: Block, count: number): PartTable | null {
+  const given = block.uint32('labels');
+  if (!given) return null;
+  return {
+    labels: Uint8Array.from(given),
+    probabilities() {
+      const certain = new Float32Array(given.length * count);
+      given.forEach((label, point) => (certain[point * count + label] = 1));
+      return certain;
+    },
+  };
+}
+
+function predictedParts(block: Block, count: number): PartTable | null {
+  const [labels, probabilities] = [block.uint8('partLabels'), block.float32('partProbabilities')];
+  if (!labels || !probabilities) return null;
+  const used = rowsUsed(block);
+  if (!used) return { labels, probabilities: () => probabilities };
+  return { labels: rows(Uint8Array, labels, 1, used), probabilities: () => rows(Float32Array, probabilities, count, used) };
+}
+
+/** For each uploaded point the row of the point used that stands for it; null when every point is used. */
+function rowsUsed(block: Block): Uint32Array | null {
+  const [carrier, used] = [block.uint32('carrierOf'), block.uint32('usedOf')];
+  return carrier && used ? rows(Uint32Array, used, 1, carrier) : (carrier ?? used);
+}
+
+type Table = Float64Array<ArrayBuffer> | Float32Array<ArrayBuffer> | Uint32Array<ArrayBuffer> | Uint8Array<ArrayBuffer>;
 
 /** Uploaded index of each row of the basis, and the row that stands for each uploaded point; null when every point has a row of its own. */
 function sampling(block: Block): { indices: Uint32Array; nearest: Uint32Array } | null {
@@ -115,9 +152,9 @@ function sampling(block: Block): { indices: Uint32Array; nearest: Uint32Array } 
   return indices && nearest ? { indices, nearest } : null;
 }
 
-/** For each index the row of a (·, `width`) matrix. */
-function rows(matrix: Float64Array, width: number, indices: Uint32Array): Float64Array<ArrayBuffer> {
-  const out = new Float64Array(indices.length * width);
+/** For each index the row of a (·, `width`) matrix, in an array of the type `Kind`. */
+function rows<A extends Table>(Kind: new (length: number) => A, matrix: A, width: number, indices: Uint32Array): A {
+  const out = new Kind(indices.length * width);
   indices.forEach((row, i) => out.set(matrix.subarray(row * width, (row + 1) * width), i * width));
   return out;
 }

@@ -82,12 +82,16 @@ export interface Geometry {
   labels: Uint32Array<ArrayBuffer> | null;
 }
 
-/** Body parts of every uploaded point. */
+/**
+ * Body parts of every uploaded point. Labels that came with the scan, each below 256, go before what the network predicts; points that take no part
+ * in the matching have the prediction of the one that stands for them.
+ */
 export interface Parts {
-  /** (n): index into `names`. */
+  /** (n): index into `names`; of predicted parts the likeliest. */
   labels: Uint8Array<ArrayBuffer>;
-  /** (n, `names.length`), row-major, each row sums to 1. Given labels are certain: 1 at the label, 0 elsewhere. */
-  probabilities: Float32Array<ArrayBuffer>;
+  /** (n, `names.length`), row-major, each row sums to 1. Given labels are certain: 1 at the label, 0 elsewhere. Made when first asked for. */
+  readonly probabilities: Float32Array<ArrayBuffer>;
+  /** Predicted: 14, with a side where they have one, which is the person's own. Given labels have numbers for names. */
   names: string[];
   source: 'given' | 'predicted';
 }
@@ -148,7 +152,7 @@ export interface MatchReport {
   gpu: { dispatches: number; uploads: number; downloads: number };
   /** Sentences for a person. */
   warnings: string[];
-  /** The learned weights that took part; null when none did. */
+  /** The weights of the network that took part; null when none did. */
   weights: { name: string; version: string } | null;
 }
 

@@ -48,8 +48,8 @@ export async function cancelEverywhere(Matcher, bytesA, bytesB) {
     const onProgress = ({ stage }) => {
       if (stage !== wanted || heardOf) return;
       heardOf = true;
-      // Some stages are over at once; in the others 20 ms later a piece of work is under way that no message interrupts.
-      if (['read', 'features'].includes(stage)) abort();
+      // Reading is over at once; in the other stages 20 ms later a piece of work is under way that no message interrupts.
+      if (stage === 'read') abort();
       else setTimeout(abort, 20);
     };
     const control = { signal: controller.signal, onProgress };

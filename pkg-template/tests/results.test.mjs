@@ -55,6 +55,9 @@ describe('what a matcher hands out', () => {
     assert.ok(report.peakMemoryBytes > 0);
     assert.deepEqual(report.gpu, { dispatches: 0, uploads: 0, downloads: 0 });
     assert.ok(Array.isArray(report.warnings));
+    for (const warning of report.warnings) assert.doesNotMatch(warning, /without a trained network/);
+    assert.deepEqual(Object.keys(report.weights).sort(), ['name', 'version']);
+    for (const said of Object.values(report.weights)) assert.ok(typeof said === 'string' && said.length > 0);
     for (const stage of Object.keys(report.seconds)) assert.ok(STAGES.includes(stage), stage);
   });
 
@@ -66,7 +69,6 @@ describe('what a matcher hands out', () => {
       { kind: 'mesh', name: 'a.off', n: points(A), faces: A.faces.length / 3, pieces: 1, pointsUsed: points(A), laplacian: 'cotangent' },
     );
     assert.ok(Array.isArray(a.repairs));
-    assert.equal(a.parts, null);
   });
 
   test('the scan as it was read, as a copy each time', () => {
@@ -128,6 +130,33 @@ describe('what a matcher hands out', () => {
     assert.equal(parts.probabilities.length, labels.length * parts.names.length);
     parts.labels.forEach((label, i) => assert.equal(parts.probabilities[i * parts.names.length + label], 1));
     assert.deepEqual(labelled.geometry().labels, Uint32Array.from(labels));
+
+    const given = await matcher.match(labelled, labelled, { parts: 'given' });
+    given.targetOf.forEach((target, i) => assert.equal(labels[target], labels[i]));
+    await assert.rejects(matcher.match(labelled, b, { parts: 'given' }), { name: 'GeoSeError', code: 'no-labels' });
+  });
+
+  test('parts as predicted where none were given, the same arrays each time', async () => {
+    for (const shape of [a, b]) {
+      const { labels, names, source } = shape.parts;
+      assert.equal(source, 'predicted');
+      assert.equal(names.length, 14);
+      assert.ok(labels instanceof Uint8Array && labels.every((label) => label < 14));
+      assert.equal(shape.parts.probabilities, shape.parts.probabilities);
+    }
+    assert.equal(a.parts.labels.length, points(A));
+    assert.equal(structuredClone(a.parts).probabilities.length, 14 * points(A));
+    // Labels that are no numbers of parts do not keep the prediction away.
+    const numbered = await matcher.prepare({ ...A, labels: Uint32Array.from({ length: points(A) }, (_, i) => i) }, OPTIONS);
+    assert.equal(numbered.parts.source, 'predicted');
+    assert.deepEqual(numbered.parts.probabilities, a.parts.probabilities);
+  });
+
+  test('a map for each choice of parts, the predicted ones by default', async () => {
+    const [predicted, none] = [await matcher.match(a, b, { parts: 'predicted' }), await matcher.match(a, b, { parts: 'none' })];
+    assert.deepEqual(predicted.targetOf, match.targetOf);
+    assert.equal(none.targetOf.length, points(A));
+    assert.deepEqual(none.report.weights, match.report.weights, 'features are learned with or without parts');
   });
 
   test('a sampled cloud: a map, a geometry and a basis at every uploaded point', async () => {

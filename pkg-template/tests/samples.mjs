@@ -18,6 +18,27 @@ export function shuffled(count) {
   return order;
 }
 
+/** The mesh with a point in the middle of each edge: n points become about 4n, the first n of them the old ones. */
+export function subdivided({ positions, faces }) {
+  const points = [...positions];
+  const middles = new Map();
+  const middle = (i, j) => {
+    const key = i < j ? `${i} ${j}` : `${j} ${i}`;
+    if (!middles.has(key)) {
+      middles.set(key, points.length / 3);
+      for (let axis = 0; axis < 3; axis++) points.push((positions[3 * i + axis] + positions[3 * j + axis]) / 2);
+    }
+    return middles.get(key);
+  };
+  const finer = [];
+  for (let f = 0; f < faces.length; f += 3) {
+    const [i, j, k] = faces.subarray(f, f + 3);
+    const [ij, jk, ki] = [middle(i, j), middle(j, k), middle(k, i)];
+    finer.push(i, ij, ki, ij, j, jk, ki, jk, k, ij, jk, ki);
+  }
+  return { positions: Float64Array.from(points), faces: Uint32Array.from(finer) };
+}
+
 /** Points with their coordinates changed: `change` takes and gives one point. */
 export function moved(positions, change) {
   const out = new Float64Array(positions.length);

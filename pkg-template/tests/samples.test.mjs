@@ -2,9 +2,20 @@ import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 import { cancelEverywhere } from './customer.mjs';
 import { installedPackage } from './installed.mjs';
-import { error, moved, sample, shuffled } from './samples.mjs';
+import { error, moved, sample, shuffled, subdivided } from './samples.mjs';
 
 const { Matcher } = await installedPackage();
+
+/** How many rows of probabilities there are, after a look at each: it sums to 1, and its largest entry is at the label. */
+function rowsOf({ labels, probabilities, names }) {
+  labels.forEach((label, i) => {
+    const row = probabilities.subarray(names.length * i, names.length * (i + 1));
+    const sum = row.reduce((total, p) => total + p, 0);
+    assert.ok(Math.abs(sum - 1) < 1e-5, `row ${i} sums to ${sum}`);
+    assert.equal(row[label], Math.max(...row), `label of ${i}`);
+  });
+  return probabilities.length / names.length;
+}
 
 describe('real bodies of 5000 points, with default options', () => {
   let matcher, woman, man, match;
@@ -26,6 +37,34 @@ describe('real bodies of 5000 points, with default options', () => {
     // 1.3 when this was written; a body turned left for right has some 20.
     assert.ok(far < 3, `error ${far}`);
     assert.ok(error(match.reverse, identity(), woman.geometry(), woman.info.scale) < 3);
+  });
+
+  test('parts of a body without labels are those it was made of', async (t) => {
+    const { positions, faces, labels } = woman.geometry();
+    assert.equal(woman.parts.source, 'given');
+    for (const bare of [{ positions, faces }, { positions }]) {
+      const { parts, info } = await matcher.prepare(bare);
+      assert.equal(parts.source, 'predicted');
+      assert.equal(parts.names.length, 14);
+      assert.equal(rowsOf(parts), 5000);
+      assert.ok(parts.names.includes('left hand') && parts.names.includes('right hand'));
+      const same = parts.labels.filter((label, i) => label === labels[i]).length / 5000;
+      t.diagnostic(`${info.kind}: ${(100 * same).toFixed(1)} % of the points`);
+      assert.ok(same > 0.85, `${info.kind}: ${same}`);
+    }
+  });
+
+  test('parts of a mesh of 20 000 points are at every uploaded point', async (t) => {
+    const { labels } = woman.geometry();
+    const fine = subdivided(woman.geometry());
+    const { parts, info } = await matcher.prepare(fine);
+    assert.equal(info.pointsUsed, 5000);
+    assert.equal(info.points, fine.positions.length / 3);
+    assert.ok(info.points > 19_900, `${info.points}`);
+    assert.equal(rowsOf(parts), info.points);
+    const same = labels.filter((label, i) => label === parts.labels[i]).length / 5000;
+    t.diagnostic(`${(100 * same).toFixed(1)} % of the points`);
+    assert.ok(same > 0.8, `${same}`);
   });
 
   test('the same bytes a second time', async () => {

@@ -16,12 +16,14 @@ const PROGRAM = `
     using a: PreparedShape = await matcher.prepare(bytes, { name: 'a.ply', signal, onProgress: ({ stage }) => seen.push(stage) });
     const b = await matcher.prepare({ positions: [0, 0, 0], faces: new Uint16Array(3), labels: null }, { laplacian: 'geodesic', points: undefined });
     const again = await matcher.prepare(b.geometry());
-    const match = await matcher.match(a, again, { refine: 'best', landmarks: [[0, 1]] });
+    const match = await matcher.match(a, again, { refine: 'best', parts: 'predicted', landmarks: [[0, 1]] });
     const targets: Uint32Array = match.targetOf;
     const unmatched: number = targets.filter((target) => target === UNMATCHED).length;
     const parts: Parts | null = a.parts;
+    const sure: Float32Array | undefined = parts?.source === 'predicted' ? parts.probabilities : undefined;
+    const version: string | undefined = match.report.weights?.version;
     const { eigenvectors } = await matcher.spectrum(await matcher.laplacian(b, { kind: 'euclidean' }), { eigenpairs: 20 });
-    new Blob([eigenvectors, match.reverse.confidence, String(unmatched + (parts?.labels[0] ?? 0))]);
+    new Blob([eigenvectors, match.reverse.confidence, String(unmatched + (parts?.labels[0] ?? 0) + (sure?.[0] ?? 0)), version ?? '']);
     return match;
   }
 

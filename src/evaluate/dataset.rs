@@ -13,6 +13,14 @@ pub(super) struct DataSet {
     folder: PathBuf,
 }
 
+/// Parts that came with a set.
+pub(super) struct Labelled {
+    /// Their names.
+    pub(super) names: Vec<String>,
+    /// One per point, an index into `names`.
+    pub(super) labels: Vec<u32>,
+}
+
 impl DataSet {
     /// The set in `folder`, which must have shapes.
     pub(super) fn open(folder: &Path) -> Result<Self, EvaluationError> {
@@ -104,15 +112,11 @@ impl DataSet {
     }
 
     /// The names of the parts and the part of each of a shape's `points`; nothing where the set has no labels for it.
-    pub(super) fn labels_if_any(
-        &self,
-        name: &str,
-        points: usize,
-    ) -> Result<Option<(Vec<String>, Vec<u32>)>, EvaluationError> {
+    pub(super) fn labels_if_any(&self, name: &str, points: usize) -> Result<Option<Labelled>, EvaluationError> {
         if !self.folder.join("labels").join(format!("{name}.txt")).exists() {
             return Ok(None);
         }
-        Ok(Some((self.part_names()?, self.labels(name, points)?)))
+        Ok(Some(Labelled { names: self.part_names()?, labels: self.labels(name, points)? }))
     }
 
     fn part_names(&self) -> Result<Vec<String>, EvaluationError> {

@@ -32,7 +32,7 @@ use crate::progress::Progress;
 use crate::shape::Shape;
 
 use cores::on_all_cores;
-use dataset::DataSet;
+use dataset::{DataSet, Labelled};
 pub use error::EvaluationError;
 use part_classes::class_of_parts;
 pub use report::{Evaluation, PairResult};
@@ -249,7 +249,9 @@ fn measure(
 
 /// Intersection over union of predicted parts and a set's own, where it has labels that the parts can be merged to.
 fn part_iou(set: &DataSet, name: &str, shape: &PreparedShape) -> Result<Option<f64>, EvaluationError> {
-    let Some((names, given)) = set.labels_if_any(name, shape.shape.points().len())? else { return Ok(None) };
+    let Some(Labelled { names, labels: given }) = set.labels_if_any(name, shape.shape.points().len())? else {
+        return Ok(None);
+    };
     let (Some(predicted), Some(classes)) = (shape.predicted_parts(), class_of_parts(&names)) else { return Ok(None) };
     let predicted: Vec<u32> = predicted.into_iter().map(|part| classes[part as usize]).collect();
     Ok(Some(part_scores(&predicted, &given, &shape.point_areas()).mean_iou))

@@ -205,7 +205,7 @@ pub(super) async fn refine_by<D: Device>(
     let full = at(&every(a), &every(b));
     let beside = match laid {
         Some(laying) => schedule.beside(device, &full, laying.everywhere(), schedule.rounds - 1),
-        None => nothing(),
+        None => extra(device, &full, 1.0),
     };
     let (to_b, to_a) = nearest(device, &full, &maps, spectral, &beside);
     let (to_b, to_a) = (device.download_indices(&to_b).await, device.download_indices(&to_a).await);

@@ -1,10 +1,11 @@
-//! Body parts: their names, how fine ones group into the paper's C = 8, and attention that keeps them apart.
+//! Body parts: their names, and attention that keeps them apart.
 
 mod attention;
 
 pub(crate) use attention::PartAttention;
 
-/// Names of the sided parts; a label is an index here. Left is the person's own left.
+/// Names of the sided parts; a label is an index here. Left is the person's own left. The paper has C = 8 and does not say which; these are finer, and sets
+/// with other classes are compared after merging by name.
 pub const PARTS: [&str; 14] = [
     "head",
     "torso",
@@ -21,6 +22,3 @@ pub const PARTS: [&str; 14] = [
     "left foot",
     "right foot",
 ];
-
-/// For each of [`PARTS`] its group among the paper's C = 8: head, torso, and left and right arm with hand, thigh, shank with foot.
-pub const GROUPS: [usize; 14] = [0, 1, 2, 3, 2, 3, 2, 3, 4, 5, 6, 7, 6, 7];

@@ -19,6 +19,10 @@ use crate::model::{ModelConfig, Network, Weights, WeightsError};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunConfig {
+    /// Name and version that the weights will carry.
+    pub name: String,
+    /// See `name`.
+    pub version: String,
     /// Steps in all.
     pub steps: usize,
     /// Pairs a step.
@@ -54,6 +58,8 @@ pub enum Schedule {
 impl Default for RunConfig {
     fn default() -> Self {
         Self {
+            name: "bodies".to_owned(),
+            version: "1".to_owned(),
             steps: 12_000,
             batch: 1,
             rate: 2e-3,
@@ -79,6 +85,7 @@ impl RunConfig {
             decay: 0.0,
             clip: f32::INFINITY,
             maps_from: 0,
+            name: "paper".to_owned(),
             losses: LossWeights::paper(),
             ..Self::default()
         }
@@ -188,13 +195,21 @@ pub fn train(
         let over = began.elapsed().as_secs_f64() > seconds;
         if step % CHECKPOINT == 0 || step == run.steps || over {
             save(&state, &parameters.weights(config, true).to_bytes(false)?)?;
-            save(&folder.join("weights.safetensors"), &parameters.weights(config, false).to_bytes(true)?)?;
+            finished(&parameters, config, run, folder)?;
         }
         if over {
             return Ok(step == run.steps);
         }
     }
+    finished(&parameters, config, run, folder)?;
     Ok(true)
+}
+
+/// Writes the weights as they ship.
+fn finished(parameters: &Parameters, config: &ModelConfig, run: &RunConfig, folder: &Path) -> Result<(), RunError> {
+    let mut weights = parameters.weights(config, false);
+    weights.about.extend([("name".to_owned(), run.name.clone()), ("version".to_owned(), run.version.clone())]);
+    Ok(save(&folder.join("weights.safetensors"), &weights.to_bytes(true)?)?)
 }
 
 fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {

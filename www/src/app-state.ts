@@ -75,7 +75,7 @@ export type AppStore = Store<AppState>;
 /** The choices of a fresh page. */
 export const defaultChoices: Pick<AppState, 'prepareChoices' | 'matchChoices'> = {
   prepareChoices: {},
-  matchChoices: { refine: 'best', parts: 'none' },
+  matchChoices: { refine: 'best', parts: 'predicted' },
 };
 
 export function createAppStore(): AppStore {

@@ -222,7 +222,54 @@ test('parts that came with the scans are coloured and named', async () => {
   assert.equal(names.length, 14);
   const swatches = await page.locator('#legend .swatch').evaluateAll((all) => all.map((each) => each.style.background));
   assert.equal(new Set(swatches).size, 14, 'two parts share a colour');
+  assert.match(await page.locator('#legend').textContent(), /A: given with the scan\. B: given with the scan\./);
   await page.selectOption('#colour', 'correspondence');
+});
+
+test('parts that the network predicts are coloured, named and said to be so, and how sure it is of a point', async () => {
+  const other = await open({ viewport: { width: 1440, height: 900 } });
+  await drop(other, '#drop-a', ['woman-greeting-cloud.ply', pair[1]]);
+  await matched(other);
+  await other.selectOption('#colour', 'part');
+  const lists = await other.locator('#legend ul').evaluateAll((all) => all.map((list) => [...list.children].map((li) => li.textContent)));
+  const parts = await other.evaluate(() => window.geose.shapes.map(({ parts: { names, source } }) => ({ names, source })));
+  assert.deepEqual(
+    parts.map(({ source }) => source),
+    ['predicted', 'given'],
+  );
+  assert.deepEqual(
+    lists,
+    parts.map(({ names }) => names),
+  );
+  assert.ok(lists[0].includes('left hand') && lists[0].includes('right hand'), lists[0].join());
+  const words = await other.locator('#legend .facts').allTextContents();
+  assert.deepEqual(words, ['A: predicted by the network.', 'B: given with the scan.']);
+  const swatches = await other.locator('#legend ul:first-child .swatch').evaluateAll((all) => all.map((each) => each.style.background));
+  assert.equal(new Set(swatches).size, 14, 'two parts share a colour');
+
+  const { name, sure } = await other.evaluate(() => {
+    const { labels, names, probabilities } = window.geose.shapes[0].parts;
+    return { name: names[labels[700]], sure: probabilities[700 * names.length + labels[700]] };
+  });
+  const readout = other.locator('#readout');
+  await other.fill('#point-a', '700');
+  await other.press('#point-a', 'Enter');
+  const told = (await readout.textContent()).toLowerCase();
+  assert.ok(told.endsWith(`${name}, says the network, at ${sure.toFixed(2)}.`), told);
+  await other.fill('#point-b', '700');
+  await other.press('#point-b', 'Enter');
+  assert.match(await readout.textContent(), /Part \d+, as given\.$/);
+  await other.selectOption('#colour', 'correspondence');
+  assert.doesNotMatch(await readout.textContent(), /as given/);
+  await other.context().close();
+});
+
+test('which weights took part is in the report and the export, what they were made from on the page', async () => {
+  const weights = await page.evaluate(() => window.geose.match.report.weights);
+  assert.ok((await page.locator('#report').textContent()).includes(`Weights ${weights.name}, version ${weights.version}.`));
+  const { match } = JSON.parse(await exported(page, '#export-json', 'utf8'));
+  assert.deepEqual([match.weights, match.parts], [weights, 'predicted']);
+  assert.match(await page.locator('footer').textContent(), /weights were trained on bodies made from MakeHuman data \(CC0\)/);
 });
 
 test('how sure the match is stands in sentences, its warnings with it', async () => {
@@ -386,7 +433,7 @@ test('drops that are too many, known already or come while it works are told in 
   await other.context().close();
 });
 
-test('what was repaired is folded away under its number, and what needs labels is greyed with a reason', async () => {
+test('what was repaired is folded away under its number, and what needs given labels is greyed with a reason', async () => {
   const other = await open({ viewport: { width: 1440, height: 900 } });
   const side = 12;
   const grid = Array.from({ length: side * side }, (_, i) => `v ${i % side} ${Math.floor(i / side)} ${Math.sin(i)}`);
@@ -407,19 +454,21 @@ test('what was repaired is folded away under its number, and what needs labels i
     assert.ok((await other.locator('#scan-facts tr').allTextContents()).includes(fact), fact);
   }
 
-  assert.equal(await other.locator('#colour-part').isDisabled(), true);
-  assert.match(await other.locator('#colour-part').textContent(), /no labels came with these scans/);
   await other.locator('#section-options summary').click();
+  assert.equal(await other.inputValue('#options [name=parts]'), 'predicted');
   assert.equal(await other.locator('#parts-given').isDisabled(), true);
   assert.match(await other.locator('#parts-note').textContent(), /^A came without labels/);
 
   await other.selectOption('#sample-b', 'woman-standing.ply');
   await other.waitForFunction(() => window.geose.shapes[1] !== null, null, { timeout: matchTimeout });
-  assert.equal(await other.locator('#colour-part').isDisabled(), false);
   await other.selectOption('#colour', 'part');
   const names = await other.locator('#legend li').allTextContents();
   assert.ok(names.includes('left hand') && names.includes('right hand'), names.join());
-  assert.match(await other.locator('#legend').textContent(), /A has none and is grey/);
+  assert.equal(names.length, 14, 'parts of equal names share colours');
+  assert.match(await other.locator('#legend').textContent(), /A: predicted by the network\. B: given with the scan\./);
+  for (const [side, source] of Object.entries({ a: 'predicted', b: 'given' })) {
+    assert.ok((await other.locator('#scan-facts td').allTextContents()).includes(source), `${side}: ${source}`);
+  }
   await other.context().close();
 });
 

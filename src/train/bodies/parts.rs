@@ -2,24 +2,7 @@
 
 use super::data::Bone;
 use super::skinning::Weights;
-
-/// Names of the parts; a label is an index here. Left is the person's own left.
-pub const PARTS: [&str; 14] = [
-    "head",
-    "torso",
-    "left upper arm",
-    "right upper arm",
-    "left forearm",
-    "right forearm",
-    "left hand",
-    "right hand",
-    "left thigh",
-    "right thigh",
-    "left shank",
-    "right shank",
-    "left foot",
-    "right foot",
-];
+pub use crate::parts::PARTS;
 
 /// The part a bone of the `game_engine` rig belongs to: neck to the head, shoulder blades to the torso, fingers to the hand.
 pub fn part_of_bone(bone: &str) -> usize {

@@ -6,4 +6,10 @@ export type Legend =
   | { readonly kind: 'words'; readonly words: string }
   | { readonly kind: 'places'; readonly words: string }
   | { readonly kind: 'scale'; readonly ramp: Ramp; readonly marks: readonly string[]; readonly words: string }
-  | { readonly kind: 'parts'; readonly parts: readonly { name: string; colour: LinearRgb }[]; readonly words: string };
+  | { readonly kind: 'parts'; readonly lists: readonly PartList[] };
+
+/** The parts of one scan, or of both where they are the same ones. */
+export interface PartList {
+  readonly words: string;
+  readonly parts: readonly { name: string; colour: LinearRgb }[];
+}

@@ -8,7 +8,7 @@ import { eigenfunctionOf } from './eigenfunction';
 import { partPalette } from './part-palette';
 import { placeColours } from './place-colours';
 import { diverging, sequential } from './ramp';
-import { jointPartNames, partsOf } from './scan-parts';
+import { partNames, partsOf } from './scan-parts';
 
 /** Grey for what has no answer: unmatched points, parts not known. */
 export const unknownColour: LinearRgb = fromHex('#8d9096');
@@ -41,7 +41,7 @@ function colouring(state: AppState, side: Side): Colouring {
     case 'part': {
       const parts = partsOf(scan);
       if (!parts) return unknown;
-      const palette = partPalette(jointPartNames(state));
+      const palette = partPalette(partNames(state, side));
       return (i) => palette[parts.labels[i]] ?? unknownColour;
     }
     case 'eigenfunction': {

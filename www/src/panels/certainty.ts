@@ -1,7 +1,7 @@
 import type { AppState, AppStore } from '../app-state';
 import { certaintyOf, type Certainty } from '../certainty';
 import { byId, create } from '../dom';
-import { asSentence, lengthOn, percent } from '../sentences';
+import { asSentence, capital, lengthOn, percent } from '../sentences';
 
 /** How sure the match is of itself, and what the package warns of. */
 export function showCertainty(store: AppStore): void {
@@ -26,7 +26,9 @@ const found = ({ points, matched }: Certainty): string =>
 
 function doubt({ matched, doubted }: Certainty): string {
   if (matched === 0) return '';
-  return doubted === 0 ? 'None of them is below 0.5 confidence.' : `${percent(doubted / matched)} of them are below 0.5 confidence.`;
+  return doubted === 0
+    ? 'None of them is below 0.5 confidence.'
+    : `${capital(percent(doubted / matched))} of them are below 0.5 confidence.`;
 }
 
 /** Within 2 % of √area, a few centimetres on a person, is about what one sees; four times that is another place on the body. */

@@ -1,12 +1,11 @@
 import type { AppState, AppStore, ColourMode } from '../app-state';
 import { toCss } from '../colour/colour-space';
-import type { Legend } from '../colour/legend';
+import type { Legend, PartList } from '../colour/legend';
 import { partPalette } from '../colour/part-palette';
 import { placeColour } from '../colour/place-colours';
 import { diverging, sequential } from '../colour/ramp';
-import { jointPartNames, partsMissing, partsOf, sidesWithoutParts } from '../colour/scan-parts';
+import { partNames, partsOf } from '../colour/scan-parts';
 import { byId, create } from '../dom';
-import { asSentence } from '../sentences';
 import { letter, sides } from '../side';
 
 /** The colour menu and what the colours mean. */
@@ -26,9 +25,8 @@ export function showColours(store: AppStore): void {
   store.watch(['colour', 'eigenfunction', 'scans', 'result'], (state) => {
     const computed = [state.scans.a, state.scans.b].flatMap((scan) => (scan ? [scan.shape.info.eigenpairs] : []));
     const most = String((computed.length > 0 ? Math.min(...computed) : 120) - 1);
-    const missing = partsMissing(state);
-    part.disabled = missing !== null;
-    part.textContent = missing === null ? 'Part' : `Part (${missing})`;
+    part.disabled = computed.length === 0;
+    part.textContent = part.disabled ? 'Part (no scan yet)' : 'Part';
     eigenRow.hidden = state.colour !== 'eigenfunction';
     for (const input of [eigen, slider]) {
       input.max = most;
@@ -49,7 +47,7 @@ function legendOf(state: AppState): Legend {
       if (!result) return words('There is no match yet to be sure of.');
       return { kind: 'scale', ramp: sequential, marks: ['0', '0.5', '1'], words: 'Confidence of the match; grey has none.' };
     case 'part':
-      return partLegend(state);
+      return hasScan ? { kind: 'parts', lists: partLists(state) } : words('No scan yet, so there are no parts to show.');
     case 'eigenfunction': {
       if (!hasScan) return words('');
       const text = 'Each body on its own scale. Number 0 is constant, higher ones swing faster; the sign of each is free.';
@@ -60,23 +58,30 @@ function legendOf(state: AppState): Legend {
   }
 }
 
-function partLegend(state: AppState): Legend {
-  const missing = partsMissing(state);
-  if (missing !== null) return words(asSentence(`${missing}, so there are no parts to show`));
-  const names = jointPartNames(state);
-  const palette = partPalette(names);
-  const sources = new Set(sides.flatMap((side) => (state.scans[side] && partsOf(state.scans[side])?.source) ?? []));
-  const bare = sidesWithoutParts(state).map((side) => ` ${letter(side)} has none and is grey.`);
-  return {
-    kind: 'parts',
-    parts: names.map((name, k) => ({ name: name.replaceAll(/[_-]/g, ' '), colour: palette[k] })),
-    words: `Parts ${[...sources].join(' and ')}${sources.has('given') ? ' as labels of the scans' : ''}.${bare.join('')}`,
-  };
+const origin = { given: 'given with the scan', predicted: 'predicted by the network' } as const;
+
+/** One list for both scans where equal names stand for equal colours, else one each. */
+function partLists(state: AppState): PartList[] {
+  const scans = sides.flatMap((side) => {
+    const scan = state.scans[side];
+    const parts = scan && partsOf(scan);
+    return parts ? [{ side, source: parts.source, names: partNames(state, side) }] : [];
+  });
+  const alike = new Set(scans.map(({ names }) => names.join('\n'))).size === 1;
+  return (alike ? [scans] : scans.map((scan) => [scan])).map((group) => {
+    const { names } = group[0];
+    const palette = partPalette(names);
+    return {
+      words: group.map(({ side, source }) => `${letter(side)}: ${origin[source]}.`).join(' '),
+      parts: names.map((name, k) => ({ name: name.replaceAll(/[_-]/g, ' '), colour: palette[k] })),
+    };
+  });
 }
 
 const words = (text: string): Legend => ({ kind: 'words', words: text });
 
 function draw(legend: Legend): Node[] {
+  if (legend.kind === 'parts') return legend.lists.flatMap(drawParts);
   const sentence = create('p', { className: 'facts', textContent: legend.words });
   switch (legend.kind) {
     case 'words':
@@ -89,16 +94,17 @@ function draw(legend: Legend): Node[] {
       const marks = create('div', { className: 'marks' }, ...legend.marks.map((mark) => create('span', {}, mark)));
       return [bar, marks, sentence];
     }
-    case 'parts': {
-      const list = create('ul', { className: 'parts' });
-      for (const { name, colour } of legend.parts) {
-        const swatch = create('span', { className: 'swatch' });
-        swatch.style.background = toCss(colour);
-        list.append(create('li', {}, swatch, name));
-      }
-      return [list, sentence];
-    }
   }
+}
+
+function drawParts({ parts, words }: PartList): Node[] {
+  const list = create('ul', { className: 'parts' });
+  for (const { name, colour } of parts) {
+    const swatch = create('span', { className: 'swatch' });
+    swatch.style.background = toCss(colour);
+    list.append(create('li', {}, swatch, name));
+  }
+  return [list, create('p', { className: 'facts', textContent: words })];
 }
 
 /** The colours of a body's middle plane, seen from the front. */

@@ -7,7 +7,7 @@ import {
   type MatchChoices,
   type PrepareChoices,
 } from '../app-state';
-import { sidesWithoutParts } from '../colour/scan-parts';
+import { sidesWithoutLabels } from '../colour/scan-parts';
 import { byId } from '../dom';
 import { count } from '../sentences';
 import { letter } from '../side';
@@ -37,9 +37,9 @@ export function showOptions(store: AppStore): void {
     byId('match', HTMLButtonElement).classList.toggle('due', optionsChanged(state));
   });
   store.watch(['scans'], (state) => {
-    const bare = sidesWithoutParts(state);
+    const bare = sidesWithoutLabels(state);
     given.disabled = bare.length > 0;
-    givenNote.textContent = bare.length > 0 ? `${bare.map(letter).join(' and ')} came without labels, so there are no parts to use.` : '';
+    givenNote.textContent = bare.length > 0 ? `${bare.map(letter).join(' and ')} came without labels, so no parts are given.` : '';
     givenNote.hidden = bare.length === 0;
   });
 }

@@ -1,7 +1,8 @@
 import type { AppState, AppStore, Selection } from '../app-state';
 import { byId } from '../dom';
+import { partsOf } from '../colour/scan-parts';
 import { directionFrom, partnerOf } from '../match-direction';
-import { count } from '../sentences';
+import { capital, count } from '../sentences';
 import { letter, opposite, sides, type Side } from '../side';
 
 /** The point under the finger and its match in numbers and words; the numbers can be typed. */
@@ -20,7 +21,7 @@ export function showReadout(store: AppStore, choose: (selection: Selection | nul
       else choose(value === '' ? null : { side, index });
     });
   }
-  store.watch(['scans', 'result', 'hovered', 'pinned', 'pairing'], (state) => {
+  store.watch(['scans', 'result', 'hovered', 'pinned', 'pairing', 'colour'], (state) => {
     const selection = state.hovered ?? state.pinned;
     for (const side of sides) {
       const input = inputs[side];
@@ -46,9 +47,22 @@ function indexOn({ result, pairing }: AppState, side: Side, selection: Selection
   return result && partnerOf(result.match, selection.side, selection.index);
 }
 
-function words({ scans, result }: AppState, selection: Selection | null): string {
-  if (!selection) return scans.a || scans.b ? 'Point at either body, or walk over it with the arrow keys.' : 'No scan yet.';
-  const { side, index } = selection;
+function words(state: AppState, selection: Selection | null): string {
+  const { a, b } = state.scans;
+  if (!selection) return a || b ? 'Point at either body, or walk over it with the arrow keys.' : 'No scan yet.';
+  return matchWords(state, selection) + (state.colour === 'part' ? partWords(state, selection) : '');
+}
+
+/** Which part the point belongs to, and how sure the network is of it. */
+function partWords({ scans }: AppState, { side, index }: Selection): string {
+  const scan = scans[side];
+  const parts = scan && partsOf(scan);
+  if (!parts) return '';
+  const name = capital(parts.names[parts.labels[index]]);
+  return parts.source === 'given' ? ` ${name}, as given.` : ` ${name}, says the network, at ${parts.likelihood(index).toFixed(2)}.`;
+}
+
+function matchWords({ result }: AppState, { side, index }: Selection): string {
   const here = `Point ${index} of ${letter(side)}`;
   if (!result) return `${here}.`;
   const partner = partnerOf(result.match, side, index);

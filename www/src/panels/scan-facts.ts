@@ -1,5 +1,5 @@
-import type { PreparedShape } from 'geose-fmap';
 import type { AppStore, Scan } from '../app-state';
+import { partsOf } from '../colour/scan-parts';
 import { byId, create } from '../dom';
 import { asSentence, count, counted } from '../sentences';
 import { letter, sides, type Side } from '../side';
@@ -14,23 +14,24 @@ export function showScanFacts(store: AppStore): void {
       place.replaceChildren(create('p', { className: 'facts', textContent: 'No scan yet.' }));
       return;
     }
-    const rows = facts.map(([name, value]) => [name, ...shown.map(({ scan }) => value(scan.shape))]);
+    const rows = facts.map(([name, value]) => [name, ...shown.map(({ scan }) => value(scan))]);
     const head = ['', ...shown.map(({ side }) => letter(side))];
     place.replaceChildren(table('What was found out about each scan', head, rows), ...shown.map(({ side, scan }) => repairsOf(side, scan)));
   });
 }
 
-const facts: readonly (readonly [string, (shape: PreparedShape) => string])[] = [
-  ['Kind', ({ info }) => (info.kind === 'cloud' && info.faces > 0 ? 'mesh, taken as cloud' : info.kind)],
-  ['Points', ({ info }) => count(info.points)],
-  ['Faces', ({ info }) => count(info.faces)],
-  ['Pieces', ({ info }) => count(info.pieces)],
-  ['Unit', ({ info }) => info.unit ?? 'not clear'],
-  ['Up', ({ info }) => info.upAxis ?? 'not clear'],
-  ['Scale (√area)', ({ info }) => `${info.scale.toPrecision(3)}${info.unit ? ` ${info.unit}` : ''}`],
-  ['Points used', ({ info }) => count(info.pointsUsed)],
-  ['Laplacian', ({ info }) => laplacianWords[info.laplacian]],
-  ['Eigenpairs', ({ info }) => count(info.eigenpairs)],
+const facts: readonly (readonly [string, (scan: Scan) => string])[] = [
+  ['Kind', ({ shape: { info } }) => (info.kind === 'cloud' && info.faces > 0 ? 'mesh, taken as cloud' : info.kind)],
+  ['Points', ({ shape: { info } }) => count(info.points)],
+  ['Faces', ({ shape: { info } }) => count(info.faces)],
+  ['Pieces', ({ shape: { info } }) => count(info.pieces)],
+  ['Unit', ({ shape: { info } }) => info.unit ?? 'not clear'],
+  ['Up', ({ shape: { info } }) => info.upAxis ?? 'not clear'],
+  ['Scale (√area)', ({ shape: { info } }) => `${info.scale.toPrecision(3)}${info.unit ? ` ${info.unit}` : ''}`],
+  ['Points used', ({ shape: { info } }) => count(info.pointsUsed)],
+  ['Laplacian', ({ shape: { info } }) => laplacianWords[info.laplacian]],
+  ['Eigenpairs', ({ shape: { info } }) => count(info.eigenpairs)],
+  ['Parts', (scan) => partsOf(scan)?.source ?? 'none'],
 ];
 
 const laplacianWords = {
