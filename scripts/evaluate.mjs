@@ -29,7 +29,8 @@ export function plan(folder) {
     // Clouds that were sampled independently have no faces, and no points in common that an oracle could use.
     const clouds = truths.some((name) => name.endsWith('.tpl'));
     const modes = clouds ? ['cloud'] : paired ? ['mesh', 'cloud', 'mesh-cloud'] : ['mesh', 'cloud'];
-    const parts = paired && existsSync(at('labels')) ? ['none', 'given'] : ['none'];
+    const given = paired && existsSync(at('labels')) ? ['given'] : [];
+    const parts = paired ? ['predicted', 'none', ...given] : ['predicted'];
     const matches = modes.flatMap((mode) => parts.map((parts) => ({ set, mode, parts, oracle: false })));
     if (!truths.some((name) => name.endsWith('.vts')) || clouds) return matches;
     const oracles = [['mesh', 'cotangent'], ...CLOUD_LAPLACIANS.map((laplacian) => ['cloud', laplacian])];

@@ -8,8 +8,8 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::features::{ShapeInputs, wave_kernel_signature};
 use crate::fmap::{
-    COARSE, Correspondence, FunctionalMap, Matchable, Refinement, initial_maps, landmark_functions, learned_maps, lift,
-    part_functions, refine, stretch,
+    COARSE, Correspondence, Familiarity, FunctionalMap, Matchable, Refinement, initial_maps, landmark_functions,
+    learned_maps, lift, part_functions, refine, stretch,
 };
 use crate::graph::components;
 use crate::model::{Model, PointEmbedding};
@@ -217,13 +217,26 @@ pub async fn match_with<D: Device>(
     let known = side_by_side(known.into_iter().flatten());
     let known = known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
     let mut weights = serde_json::Value::Null;
-    let first = match (&a.embedding, &b.embedding) {
+    let mut familiarity = None;
+    let learned = match (&a.embedding, &b.embedding) {
         (Some(of_a), Some(of_b)) => {
-            weights = model.weights().named();
             let soft = masks(options.parts, of_a, of_b, parts);
-            learned_maps(device, model, [(&mut side_a, of_a), (&mut side_b, of_b)], soft, known).await
+            let sides = [(&mut side_a, of_a), (&mut side_b, of_b)];
+            let (maps, at_home) = learned_maps(device, model, sides, soft, known).await;
+            familiarity = Some(at_home);
+            Some(maps).filter(|_| !at_home.is_of_others())
         }
-        _ => initial_maps(device, &side_a, &side_b, known, parts).await,
+        _ => None,
+    };
+    let first = match learned {
+        Some(maps) => {
+            weights = model.weights().named();
+            maps
+        }
+        None => {
+            (side_a.extra, side_b.extra) = (None, None);
+            initial_maps(device, &side_a, &side_b, known, parts).await
+        }
     };
 
     let raw = match options.raw {
@@ -235,8 +248,9 @@ pub async fn match_with<D: Device>(
         false => None,
     };
     let (a_to_b, b_to_a, maps) = refine(device, (&side_a, &side_b), first, parts, options.refine, progress).await?;
-    let untrained = weights.is_null().then(|| UNTRAINED.to_owned());
+    let untrained = familiarity.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
+    warnings.extend(familiarity.and_then(verdict));
     warnings.extend(doubts(stretch(&side_a, &side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) =
         (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
@@ -404,6 +418,20 @@ fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// What it means when the pair is unlike those the network was trained on.
+fn verdict(familiarity: Familiarity) -> Option<String> {
+    let asked = match (familiarity.is_of_others(), familiarity.is_strange()) {
+        (true, _) => {
+            "unsure: these are not two people, and people are all that the network knows, so it was not used; arms, legs or the whole body may be matched the wrong way round"
+        }
+        (false, true) => {
+            "unsure: the pair is unlike those that the network was trained on (whole people): look at the map before you trust it"
+        }
+        _ => return None,
+    };
+    Some(asked.to_owned())
 }
 
 /// A map that changes lengths more than this, in the median, is no map between two poses of one kind of body.

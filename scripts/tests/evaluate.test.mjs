@@ -25,10 +25,10 @@ test('every set is measured in the modes that its files allow', () => {
   write('README.md', '');
   const told = plan(folder).map(({ set, mode, parts, laplacian }) => [set, mode, parts ?? laplacian].join(' '));
   assert.deepEqual(told, [
-    ...['mesh', 'cloud', 'mesh-cloud'].flatMap((mode) => [`bodies ${mode} none`, `bodies ${mode} given`]),
+    ...['mesh', 'cloud', 'mesh-cloud'].flatMap((mode) => ['predicted', 'none', 'given'].map((parts) => `bodies ${mode} ${parts}`)),
     ...['bodies mesh cotangent', 'bodies cloud geodesic', 'bodies cloud euclidean', 'bodies cloud geodesic-literal'],
-    ...['clouds cloud none', 'parts mesh none', 'parts cloud none'],
-    ...['pieces mesh none', 'pieces cloud none', 'pieces mesh-cloud none'],
+    ...['clouds cloud predicted', 'clouds cloud none', 'parts mesh predicted', 'parts cloud predicted'],
+    ...['mesh', 'cloud', 'mesh-cloud'].flatMap((mode) => [`pieces ${mode} predicted`, `pieces ${mode} none`]),
   ]);
 });
 

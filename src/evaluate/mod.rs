@@ -153,7 +153,8 @@ pub fn evaluate(task: &Task, model: &Model, told: &(dyn Fn(&str) + Sync)) -> Res
         measure(task, model, [a, b], [at(a, faces_a), at(b, faces_b)], truth, &rulers[b.as_str()])
     })?;
     let mut ious = Vec::new();
-    for ((name, _), (shape, _)) in needed.iter().zip(&prepared) {
+    let predicted = needed.iter().zip(&prepared).filter(|_| task.parts() == Parts::Predicted);
+    for ((name, _), (shape, _)) in predicted {
         ious.extend(part_iou(&set, name, shape)?);
     }
     Ok(summary(&set, task, prepared.into_iter().map(|(_, seconds)| seconds), ious, measured))
@@ -241,7 +242,9 @@ fn measure(
     Ok(Measured {
         result: PairResult { source: source.clone(), target: target.clone(), age: errors.age(), age_raw, flipped },
         accuracy: THRESHOLDS.map(|(_, threshold)| errors.accuracy(threshold)),
-        same_part: truth.vertex_of.is_none().then(|| same_part(a, b, &truth.lines)).flatten(),
+        same_part: (task.parts() == Parts::Predicted && truth.vertex_of.is_none())
+            .then(|| same_part(a, b, &truth.lines))
+            .flatten(),
         flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
         seconds,
     })

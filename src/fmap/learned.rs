@@ -1,6 +1,6 @@
 //! The first pair of maps from what the network learned (paper Sec. 3.3): attention between the shapes, then the functional-map solve both ways.
 
-use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
+use ndarray::{Array2, ArrayView1, ArrayView2, Axis, concatenate, s};
 
 use super::refine::MapPair;
 use super::{FunctionalMap, Matchable};
@@ -15,7 +15,35 @@ const KEYS: usize = 1024;
 const FEATURES: f32 = 0.7;
 const PARTS: f32 = 0.5;
 
-/// C_ab and C_ba at k = 60. Leaves features and parts as further columns with both sides, for refinement. `masks` are probabilities of parts (p, c) that
+/// How much at home the network is with a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Familiarity {
+    /// ‖C_ab C_ba − I‖²/k, mean of both ways round: what the maps there and back leave of functions. Two people give 0.02 to 0.1, whatever their poses;
+    /// pairs of animals, a person and an animal, and furniture 0.3 and more (measured on bodies of the generator's held-out seeds, on the CC0
+    /// quadrupeds and on a sphere, torus, chair, car and noise).
+    pub bijectivity: f64,
+    /// Mean probability of the likeliest part, of the shape where it is smaller: people 0.96, animals 0.67 to 0.82.
+    pub certainty: f64,
+}
+
+impl Familiarity {
+    /// Above this the maps there and back do not belong together.
+    const STRANGE: f64 = 0.2;
+    /// Below this a shape has not the parts of a person.
+    const UNCERTAIN: f64 = 0.88;
+
+    /// Whether the pair is unlike what the network was trained on.
+    pub fn is_strange(&self) -> bool {
+        self.bijectivity.is_nan() || self.bijectivity > Self::STRANGE
+    }
+
+    /// Whether the shapes are no people, so that a map that knows nothing of people may be better.
+    pub fn is_of_others(&self) -> bool {
+        self.is_strange() && self.certainty < Self::UNCERTAIN
+    }
+}
+
+/// C_ab and C_ba at k = 60, and how far they can be trusted. Leaves features and parts as further columns with both sides, for refinement. `masks` are probabilities of parts (p, c) that
 /// attention masks with; `known` (k, l) are coefficients of functions known to correspond.
 pub async fn learned_maps<D: Device>(
     device: &D,
@@ -23,7 +51,7 @@ pub async fn learned_maps<D: Device>(
     [(a, of_a), (b, of_b)]: [(&mut Matchable, &PointEmbedding); 2],
     [mask_a, mask_b]: [Array2<f32>; 2],
     known: Option<(ArrayView2<'_, f64>, ArrayView2<'_, f64>)>,
-) -> MapPair {
+) -> (MapPair, Familiarity) {
     let weights = model.weights();
     let network = Network::new(&weights.config, &mut weights.on(device)).expect("a model's weights fit its network");
     let sides = [(&*a, of_a, &mask_a), (&*b, of_b, &mask_b)];
@@ -55,10 +83,21 @@ pub async fn learned_maps<D: Device>(
         c_ab: FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b).matrix,
         c_ba: FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a).matrix,
     };
+    let off = |there_and_back: Array2<f64>| (there_and_back - Array2::<f64>::eye(k)).iter().map(|v| v * v).sum::<f64>();
+    let familiarity = Familiarity {
+        bijectivity: (off(maps.c_ab.dot(&maps.c_ba)) + off(maps.c_ba.dot(&maps.c_ab))) / (2 * k) as f64,
+        certainty: certainty(&*a, of_a).min(certainty(&*b, of_b)),
+    };
     let [features_a, features_b] = compared;
     for (m, e, features) in [(a, of_a, features_a), (b, of_b, features_b)] {
         let features = device.download(&features).await * FEATURES;
         m.extra = Some(concatenate![Axis(1), features, e.parts.mapv(|p| PARTS * p.sqrt())]);
     }
-    maps
+    (maps, familiarity)
+}
+
+/// Mean probability of the likeliest part over the surface.
+fn certainty(shape: &Matchable, embedding: &PointEmbedding) -> f64 {
+    let likeliest = |row: ArrayView1<f32>| f64::from(row.iter().copied().fold(0.0, f32::max));
+    embedding.parts.rows().into_iter().zip(&shape.basis.mass).map(|(row, mass)| likeliest(row) * mass).sum()
 }

