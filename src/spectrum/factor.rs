@@ -9,7 +9,7 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{ColRef, Conj, MatMut, Par, Side};
 use sprs::CsMat;
 
 /// L, M and the elimination order they share for every shift.
@@ -46,6 +46,15 @@ impl<'l> Pencil<'l> {
     /// Number of points.
     pub(super) fn len(&self) -> usize {
         self.mass.len()
+    }
+
+    /// ‖(M^−½LM^−½ − μ)x − y‖.
+    pub(super) fn residual(&self, root_mass: &[f64], mu: f64, x: ColRef<'_, f64>, y: ColRef<'_, f64>) -> f64 {
+        let squares = self.matrix.outer_iterator().enumerate().map(|(i, row)| {
+            let product: f64 = row.iter().map(|(j, &value)| value * x[j] / root_mass[j]).sum();
+            (product / root_mass[i] - mu * x[i] - y[i]).powi(2)
+        });
+        squares.sum::<f64>().sqrt()
     }
 
     /// Factors L + shift·M. `None` when a pivot vanishes or memory runs out.

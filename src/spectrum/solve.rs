@@ -15,17 +15,18 @@ use crate::graph::components;
 use crate::progress::{Cancelled, Progress, Stage};
 
 /// Columns that are solved for, orthogonalised and found together.
-const BLOCK: usize = 6;
+const BLOCK: usize = 3;
 /// Largest problem whose whole spectrum is computed at once.
 const DENSE: usize = 300;
 /// Residual of every pair, in the M⁻¹ norm and relative to the largest eigenvalue asked for.
 const RESIDUAL: f64 = 1e-6;
-/// Ritz residual in the shift-inverted operator, relative to its value. Two digits below what [`RESIDUAL`] needs, because
-/// L amplifies what little high frequency the residual has.
-const RITZ_RESIDUAL: f64 = 1e-10;
+/// The same, of Ritz pairs: a digit below what is promised.
+const RITZ_RESIDUAL: f64 = 1e-7;
 /// An eigenvalue below this multiple of the mean of all is held against that instead of itself, because 1e-6 of it is rounding: pieces that
 /// hang together by next to nothing, or more of them than eigenpairs.
 const ROUNDING: f64 = 1e-8;
+/// Shifts tried before a safe one is taken; ordinary shapes need one or two.
+const GUESSES: usize = 24;
 /// Restarts before giving up; ordinary shapes need none or one.
 const RESTARTS: usize = 60;
 
@@ -302,16 +303,16 @@ fn solve(
     check_size(n, k)?;
 
     let pencil = Pencil::new(matrix, mass).ok_or(SpectrumError::NotFactorised)?;
-    let shift = shift(&pencil, mean, k).ok_or(SpectrumError::NotFactorised)?;
-    let mut factor = pencil.factor(shift).ok_or(SpectrumError::NotFactorised)?;
-    if factor.negative_pivots() > 0 {
+    let (mut factor, mu) = shifted(&pencil, &root_mass, mean, known.ncols(), k).ok_or(SpectrumError::NotFactorised)?;
+    let definite = || pencil.factor(0.1 * mu.abs()).is_some_and(|factor| factor.negative_pivots() == 0);
+    if !diagonally_dominant(matrix, mass, mean) && !definite() {
         return Err(SpectrumError::NotFactorised);
     }
     progress.at(Stage::Spectrum, 0.1)?;
 
     let apply = |columns: MatMut<'_, f64>| apply_inverse(&mut factor, &root_mass, columns);
     let capacity = subspace + known.ncols();
-    let mut lanczos = Lanczos::new(apply, known.as_ref(), 1.0 / shift, BLOCK, capacity);
+    let mut lanczos = Lanczos::new(apply, known.as_ref(), -1.0 / mu, BLOCK, capacity);
     let mut report = SpectrumReport { applications: 0, restarts: 0, residual: 0.0, pieces, complete: false };
     let mut next_look = lanczos.applied() + k + k / 2;
     let mut share = 0.0_f64;
@@ -324,32 +325,42 @@ fn solve(
         }
         next_look = lanczos.applied() + (k / 5).max(2 * BLOCK);
         let ritz = lanczos.ritz().ok_or(SpectrumError::NotFactorised)?;
-        let converged = (0..k).take_while(|&i| ritz.residuals[i] <= RITZ_RESIDUAL * ritz.values[i]).count();
+        let lambda = |j: usize| mu + 1.0 / ritz.values[j];
+        let mut wanted = smallest(ritz.values.len(), lambda, mean);
+        let others = wanted.split_off(k.min(wanted.len()));
+        let largest = wanted.last().map_or(0.0, |&j| lambda(j)).max(ROUNDING * mean);
+        // Of the pair as it will be returned, ‖Lφ − λMφ‖ is ‖r‖/θ².
+        let residual = |j: usize| ritz.residuals[j] / (ritz.values[j] * ritz.values[j]) / largest;
+        let converged = wanted.iter().filter(|&&j| residual(j) <= RITZ_RESIDUAL).count();
+        let worst = wanted.iter().map(|&j| residual(j)).fold(0.0, f64::max);
         if converged == k {
-            let eigenvalues: Vec<f64> = ritz.values[..k].iter().map(|theta| 1.0 / theta - shift).collect();
+            let eigenvalues: Vec<f64> = wanted.iter().map(|&j| lambda(j)).collect();
             match missed(&pencil, &eigenvalues, mean) {
                 Some(0) => report.complete = true,
                 Some(_) if report.restarts < RESTARTS => {
                     report.restarts += 1;
-                    lanczos.restart(&ritz, k, true);
+                    lanczos.restart(&ritz, &wanted, true);
                     next_look = lanczos.applied() + k / 2 + 4 * BLOCK;
                     continue;
                 }
                 Some(missed) => {
-                    let residual = ritz.residuals[k - 1] / ritz.values[k - 1];
-                    return Err(SpectrumError::NotConverged { converged: k - missed.min(k), wanted: k, residual });
+                    return Err(SpectrumError::NotConverged {
+                        converged: k - missed.min(k),
+                        wanted: k,
+                        residual: worst,
+                    });
                 }
                 None => {}
             }
-            break (eigenvalues, lanczos.vectors(&ritz, k));
+            break (eigenvalues, lanczos.vectors(&ritz, &wanted));
         }
         if !lanczos.has_room() {
             if report.restarts == RESTARTS {
-                let residual = ritz.residuals[converged] / ritz.values[converged];
-                return Err(SpectrumError::NotConverged { converged, wanted: k, residual });
+                return Err(SpectrumError::NotConverged { converged, wanted: k, residual: worst });
             }
             report.restarts += 1;
-            lanczos.restart(&ritz, k + (lanczos.applied() - k) / 3, false);
+            wanted.extend(&others[..others.len().min(lanczos.applied().saturating_sub(k) / 3)]);
+            lanczos.restart(&ritz, &wanted, false);
             next_look = lanczos.applied() + k / 3;
         }
     };
@@ -362,23 +373,74 @@ fn solve(
     finish(matrix, mass, &root_mass, values, vectors.qr().compute_thin_Q(), report)
 }
 
-/// About a tenth of the k-th eigenvalue, which keeps L + shift·M well conditioned without blurring the low end.
+/// Factors L − μM with μ in the middle of the eigenvalues asked for, `known` of which are zeros.
 ///
-/// By Weyl's law eigenvalues grow linearly up to twice their mean, the k-th near 2 k/n of it. A few needles or a patch of tiny
-/// triangles raise the mean out of all proportion, so the guess is lowered until not many more eigenvalues lie below it.
-fn shift(pencil: &Pencil<'_>, mean: f64, k: usize) -> Option<f64> {
-    let mut guess = 2.0 * mean * k as f64 / pencil.len() as f64;
-    if !(guess > 0.0 && guess.is_finite()) {
-        return Some(1.0);
+/// From there both ends of what is wanted are equally far, half as far as from zero, and fewer columns find all of it. By Weyl's law
+/// eigenvalues grow linearly up to twice their mean, the k-th near 2 k/n of it. A few needles or a patch of tiny triangles
+/// raise the mean out of all proportion, so the guess is corrected until about half of what is wanted lies below it.
+///
+/// The matrix is not definite, and without pivoting its factors may be of no use: they are tried out, and μ is moved where they fail.
+fn shifted<'p>(
+    pencil: &'p Pencil<'_>,
+    root_mass: &[f64],
+    mean: f64,
+    known: usize,
+    k: usize,
+) -> Option<(Factor<'p>, f64)> {
+    let asked = k - known;
+    let mut mu = mean * k as f64 / pencil.len() as f64;
+    if !(mu > 0.0 && mu.is_finite()) {
+        return None;
     }
-    while guess > ROUNDING * mean {
-        let below = pencil.factor(-guess)?.negative_pivots();
-        if below <= 3 * k {
-            break;
+    let (mut under, mut over) = (0.0, f64::INFINITY);
+    for _ in 0..GUESSES {
+        if let Some(mut factor) = pencil.factor(-mu) {
+            let below = factor.negative_pivots().saturating_sub(known);
+            let tiny = mu <= ROUNDING * mean;
+            if (below >= asked / 5 || over <= 1.01 * under) && (below <= asked.div_ceil(5) * 3 || tiny) {
+                if solves(pencil, &mut factor, root_mass, mu) {
+                    return Some((factor, mu));
+                }
+            } else {
+                if below < asked / 2 { under = mu } else { over = mu }
+                let guess = mu * (asked as f64 / 2.0 / below as f64).clamp(1e-3, 8.0);
+                let inside = guess > 1.001 * under && guess < 0.999 * over;
+                mu = if inside { guess } else if under > 0.0 { (under * over).sqrt() } else { 0.1 * over };
+                mu = mu.max(0.5 * ROUNDING * mean);
+                continue;
+            }
         }
-        guess *= k as f64 / below as f64;
+        mu *= 0.97;
     }
-    Some(0.1 * guess)
+    // The other side of zero is always safe.
+    Some((pencil.factor(0.2 * mu)?, -0.2 * mu))
+}
+
+/// Whether a factor of L − μM solves with it to ten digits, and μ is no eigenvalue.
+fn solves(pencil: &Pencil<'_>, factor: &mut Factor<'_>, root_mass: &[f64], mu: f64) -> bool {
+    let n = root_mass.len();
+    // Anything that is not smooth and in which no eigenvector is missing.
+    let right = Mat::from_fn(n, 1, |i, _| ((i as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) as f64 / 16_777_216.0 - 0.5);
+    let mut x = right.clone();
+    apply_inverse(factor, root_mass, x.as_mut());
+    let error = pencil.residual(root_mass, mu, x.col(0), right.col(0));
+    error <= 1e-10 * right.norm_l2() && mu * x.norm_l2() <= 1e5 * right.norm_l2()
+}
+
+/// Whether no eigenvalue can be negative, by Gershgorin's circles.
+fn diagonally_dominant(matrix: &CsMat<f64>, mass: &[f64], mean: f64) -> bool {
+    matrix.outer_iterator().zip(mass).enumerate().all(|(i, (row, m))| {
+        let slack: f64 = row.iter().map(|(j, &value)| if i == j { value } else { -value.abs() }).sum();
+        slack >= -1e-10 * mean * m
+    })
+}
+
+/// Ritz pairs in order of their eigenvalue `lambda` of (L, M), without those below zero: L has none there, and of its inverse about μ, where that is where
+/// no eigenvalues are, any number may be a Ritz value before it converges.
+fn smallest(count: usize, lambda: impl Fn(usize) -> f64, mean: f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).filter(|&j| lambda(j) >= -ROUNDING * mean).collect();
+    order.sort_by(|&i, &j| lambda(i).total_cmp(&lambda(j)));
+    order
 }
 
 /// Replaces columns y by M^½ (L + shift·M)⁻¹ M^½ y.
