@@ -102,12 +102,14 @@ impl<A: FnMut(MatMut<'_, f64>)> Lanczos<A> {
             matmul(w.as_mut(), Accum::Add, v, part.as_ref(), -1.0, Par::Seq);
             let mut sum = coefficients.as_mut().subrows_mut(from, m - from);
             sum += &part;
-            part.norm_l2()
+            (0..b).all(|j| part.col(j).norm_l2() <= SLIGHT * w.col(j).norm_l2())
         };
-        // What A couples the block to: the two newest, or after a restart everything. The rest is rounding, which the second
-        // pass takes away. Twice is enough (Giraud, Langou & Rozložník 2005), unless the first left something after all.
+        // What A couples the block to: the two newest, or after a restart everything. The rest is rounding, which a pass over all takes away,
+        // and another where it was more than that: twice is enough (Giraud, Langou & Rozložník 2005).
         subtract(&mut w, if m - b <= self.coupled { 0 } else { m - 2 * b });
-        while subtract(&mut w, 0) > SLIGHT * w.norm_l2() {}
+        if !subtract(&mut w, 0) {
+            subtract(&mut w, 0);
+        }
         for j in 0..b {
             for i in 0..m {
                 self.projected[(i, m - b + j)] = coefficients[(i, j)];
