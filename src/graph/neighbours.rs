@@ -61,7 +61,8 @@ impl Neighbours {
 pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbours {
     let k = k.min(points.len().saturating_sub(1));
     // One more than asked for: a point is its own nearest neighbour.
-    let (Some(with_self), Ok(tree)) = (NonZero::new(k + 1), ImmutableKdTree::<f64, 3>::new_from_slice(points)) else {
+    let tree = ImmutableKdTree::<f64, 3>::new_from_slice(points);
+    let (1.., Some(with_self), Ok(tree)) = (k, NonZero::new(k + 1), tree) else {
         return Neighbours { k: 0, indices: vec![], distances: vec![], order: vec![] };
     };
     let (mut indices, mut distances) = (vec![0; points.len() * k], vec![0.0; points.len() * k]);

@@ -53,8 +53,7 @@ pub struct RefineReport {
 pub fn refine(neighbours: &Neighbours, params: &RefineParams) -> GeodesicGraph {
     let n = neighbours.len();
     let initial = params.initial_neighbours.min(neighbours.k());
-    // Points are numbered in the order they are visited in until the end: searches then read memory from one end to the other, and at 20 000 points
-    // take no longer per point than at 5000.
+    // Points are numbered in the order they are visited in until the end, so that searches read memory from one end to the other.
     let order = neighbours.order();
     let mut place = vec![0; n];
     order.iter().zip(0..).for_each(|(&i, at)| place[i as usize] = at);
@@ -65,7 +64,11 @@ pub fn refine(neighbours: &Neighbours, params: &RefineParams) -> GeodesicGraph {
         let of = neighbours.of(i as usize);
         for (slot, (&j, &d)) in of.iter().zip(neighbours.distances(i as usize)).enumerate() {
             let edge = (at, place[j as usize], d);
-            if slot < initial || d == 0.0 { kept.push(edge) } else { rejected.push(edge) }
+            if slot < initial || d == 0.0 {
+                kept.push(edge)
+            } else {
+                rejected.push(edge)
+            }
             candidates += usize::from(i < j || !neighbours.of(j as usize).contains(&i));
         }
     }
@@ -104,7 +107,8 @@ pub fn refine(neighbours: &Neighbours, params: &RefineParams) -> GeodesicGraph {
     GeodesicGraph { edges, report: RefineReport { candidates, pruned, bridges: report_bridges } }
 }
 
-/// The shortest rejected edges that join pieces the kept edges leave apart (Kruskal). Equally long ones come in the order of their ends as `order` numbers them.
+/// The shortest rejected edges that join pieces the kept edges leave apart (Kruskal); equally long ones as `order` names
+/// their ends.
 fn bridges(kept: &EdgeGraph, rejected: &[(u32, u32, f64)], order: &[u32]) -> Vec<(u32, u32, f64)> {
     if rejected.is_empty() {
         return Vec::new();

@@ -383,8 +383,9 @@ fn solve(
 /// From there both ends of what is wanted are about equally far, half as far as from zero. For 120 pairs of a cloud of 5000 points
 /// μ above [`BELOW`] of them takes 220 columns, above a half 240, above a quarter 280, and just under zero more than 300 and a restart.
 ///
-/// By Weyl's law eigenvalues grow linearly, by so much of their mean as the matrix has neighbours (measured on meshes and clouds). A few needles or a patch of
-/// tiny triangles raise the mean out of all proportion, so the guess is corrected by how many eigenvalues turn out to lie below it.
+/// By Weyl's law eigenvalues grow linearly, steeper beside their mean where points have more neighbours: the guess is right on
+/// clouds with 20 of them and on triangles with 6. A few needles or a patch of tiny triangles raise the mean out of all
+/// proportion, so the guess is corrected by how many eigenvalues turn out to lie below it.
 ///
 /// L − μM is not definite, and without pivoting its factors may be of no use: they are tried out, and μ is moved where they fail.
 fn shifted<'p>(
@@ -400,9 +401,9 @@ fn shifted<'p>(
         return None;
     }
     let (mut under, mut over) = (0.0, f64::INFINITY);
-    for guess in 0..GUESSES {
+    for tries in 0..GUESSES {
         // Clusters may leave no room for precision.
-        let slack = if guess < 3 { 0.15 } else { 0.3 };
+        let slack = if tries < 3 { 0.15 } else { 0.3 };
         if let Some(mut factor) = pencil.factor(-mu) {
             let below = factor.negative_pivots().saturating_sub(known) as f64;
             let few = below < ((BELOW - slack) * asked).floor();
@@ -449,8 +450,8 @@ fn diagonally_dominant(matrix: &CsMat<f64>, mass: &[f64], mean: f64) -> bool {
     })
 }
 
-/// Ritz pairs in order of their eigenvalue `lambda` of (L, M), without those below zero: L has none there, and of its inverse about μ, where that is where
-/// no eigenvalues are, any number may be a Ritz value before it converges.
+/// Ritz pairs in order of their eigenvalue `lambda` of (L, M), without those below zero. There are none: what lies there has
+/// not converged, in the gap that the shift-inverted operator has between −1/μ and 0.
 fn smallest(count: usize, lambda: impl Fn(usize) -> f64, mean: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).filter(|&j| lambda(j) >= -ROUNDING * mean).collect();
     order.sort_by(|&i, &j| lambda(i).total_cmp(&lambda(j)));
