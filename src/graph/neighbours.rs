@@ -86,8 +86,10 @@ pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbours {
 impl Neighbours {
     /// The plain k-NN graph: an edge wherever one point is among the neighbours of the other.
     pub fn graph(&self) -> super::EdgeGraph {
-        let rows = self.order.iter().map(|&i| i as usize);
-        let edges = rows.flat_map(|i| self.of(i).iter().zip(self.distances(i)).map(move |(&j, &d)| (i as u32, j, d)));
+        let mut edges = Vec::with_capacity(self.indices.len());
+        for i in self.order.iter().map(|&i| i as usize) {
+            edges.extend(self.of(i).iter().zip(self.distances(i)).map(|(&j, &d)| (i as u32, j, d)));
+        }
         super::EdgeGraph::from_edges(self.len(), edges)
     }
 }
