@@ -38,16 +38,63 @@ impl EdgeGraph {
         let (mut indices, mut lengths) = (Vec::with_capacity(both.len()), Vec::with_capacity(both.len()));
         for i in 0..n {
             let row = &mut both[start[i]..start[i + 1]];
-            row.sort_unstable_by(|a: &(u32, f64), b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-            for (at, &(j, length)) in row.iter().enumerate() {
-                if at == 0 || row[at - 1].0 != j {
-                    indices.push(j);
-                    lengths.push(length);
-                }
+            row.sort_unstable_by_key(|&(j, _)| j);
+            for copies in row.chunk_by(|a, b| a.0 == b.0) {
+                indices.push(copies[0].0);
+                lengths.push(copies.iter().fold(f64::INFINITY, |least, copy| least.min(copy.1)));
             }
             indptr[i + 1] = indices.len();
         }
         Self { indptr, indices, lengths }
+    }
+
+    /// These edges and others, given as to [`from_edges`](Self::from_edges).
+    pub fn with(&self, edges: impl IntoIterator<Item = (u32, u32, f64)>) -> Self {
+        let others = Self::from_edges(self.len(), edges);
+        let room = self.indices.len() + others.indices.len();
+        let mut both = Self {
+            indptr: Vec::with_capacity(self.indptr.len()),
+            indices: Vec::with_capacity(room),
+            lengths: Vec::with_capacity(room),
+        };
+        both.indptr.push(0);
+        for i in 0..self.len() {
+            let mut others = others.neighbours(i).iter().zip(others.lengths(i)).peekable();
+            for (&j, &length) in self.neighbours(i).iter().zip(self.lengths(i)) {
+                while let Some((&other, &length)) = others.next_if(|&(&other, _)| other < j) {
+                    both.enter(other, length);
+                }
+                let known = others.next_if(|&(&other, _)| other == j);
+                both.enter(j, known.map_or(length, |(_, other)| length.min(*other)));
+            }
+            others.for_each(|(&j, &length)| both.enter(j, length));
+            both.indptr.push(both.indices.len());
+        }
+        both
+    }
+
+    /// The same with vertex v called `name[v]`; `vertex` is the inverse of that.
+    pub(super) fn renumbered(&self, name: &[u32], vertex: &[u32]) -> Self {
+        let mut renumbered = Self {
+            indptr: Vec::with_capacity(self.indptr.len()),
+            indices: Vec::with_capacity(self.indices.len()),
+            lengths: Vec::with_capacity(self.lengths.len()),
+        };
+        renumbered.indptr.push(0);
+        let mut row: Vec<(u32, f64)> = Vec::new();
+        for v in vertex.iter().map(|&v| v as usize) {
+            row.clear();
+            row.extend(self.neighbours(v).iter().map(|&j| name[j as usize]).zip(self.lengths(v).iter().copied()));
+            row.sort_unstable_by_key(|&(j, _)| j);
+            row.iter().for_each(|&(j, length)| renumbered.enter(j, length));
+            renumbered.indptr.push(renumbered.indices.len());
+        }
+        renumbered
+    }
+
+    fn enter(&mut self, j: u32, length: f64) {
+        self.indices.push(j);
+        self.lengths.push(length);
     }
 
     /// The edges of a mesh with their lengths; none for a cloud.

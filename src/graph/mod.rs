@@ -2,6 +2,7 @@
 
 mod cells;
 mod components;
+mod curve;
 mod dijkstra;
 mod edges;
 mod neighbours;

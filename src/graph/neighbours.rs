@@ -4,15 +4,23 @@ use std::num::NonZero;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
+use super::curve::along_curve;
+
 /// The `k` nearest other points of each point, nearest first; equal distances in order of index.
 #[derive(Clone, Debug)]
 pub struct Neighbours {
     k: usize,
     indices: Vec<u32>,
     distances: Vec<f64>,
+    order: Vec<u32>,
 }
 
 impl Neighbours {
+    /// All points, such that near ones follow each other: to be visited in this order by whatever looks at neighbours.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
     /// Neighbours per point: the `k` asked for, or n − 1 where there are not so many points.
     pub fn k(&self) -> usize {
         self.k
@@ -52,31 +60,36 @@ impl Neighbours {
 /// Finds the `k` nearest other points of every point. Distances are Euclidean.
 pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbours {
     let k = k.min(points.len().saturating_sub(1));
-    let mut indices = Vec::with_capacity(points.len() * k);
-    let mut distances = Vec::with_capacity(points.len() * k);
     // One more than asked for: a point is its own nearest neighbour.
-    let (Some(with_self), Ok(tree)) = (NonZero::new(k + 1), ImmutableKdTree::<f64, 3>::new_from_slice(points)) else {
-        return Neighbours { k: 0, indices, distances };
+    let tree = ImmutableKdTree::<f64, 3>::new_from_slice(points);
+    let (1.., Some(with_self), Ok(tree)) = (k, NonZero::new(k + 1), tree) else {
+        return Neighbours { k: 0, indices: vec![], distances: vec![], order: vec![] };
     };
+    let (mut indices, mut distances) = (vec![0; points.len() * k], vec![0.0; points.len() * k]);
+    let order = along_curve(points);
     let mut row: Vec<(f64, u32)> = Vec::with_capacity(k + 1);
-    for (i, point) in points.iter().enumerate() {
-        let found = tree.query(point).nearest_n::<SquaredEuclidean<f64>>(with_self).execute();
+    for i in order.iter().map(|&i| i as usize) {
+        let found = tree.query(&points[i]).nearest_n::<SquaredEuclidean<f64>>(with_self).execute();
         row.clear();
         row.extend(found.iter().map(|item| (item.distance, item.item)).filter(|&(_, j)| j as usize != i));
         row.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // Among more than k copies of one point the tree may return only other copies.
         row.truncate(k);
-        indices.extend(row.iter().map(|&(_, j)| j));
-        distances.extend(row.iter().map(|&(d, _)| d.sqrt()));
+        for (slot, &(d, j)) in (i * k..).zip(&row) {
+            indices[slot] = j;
+            distances[slot] = d.sqrt();
+        }
     }
-    Neighbours { k, indices, distances }
+    Neighbours { k, indices, distances, order }
 }
 
 impl Neighbours {
     /// The plain k-NN graph: an edge wherever one point is among the neighbours of the other.
     pub fn graph(&self) -> super::EdgeGraph {
-        let edges = (0..self.len())
-            .flat_map(|i| self.of(i).iter().zip(self.distances(i)).map(move |(&j, &d)| (i as u32, j, d)));
+        let mut edges = Vec::with_capacity(self.indices.len());
+        for i in self.order.iter().map(|&i| i as usize) {
+            edges.extend(self.of(i).iter().zip(self.distances(i)).map(|(&j, &d)| (i as u32, j, d)));
+        }
         super::EdgeGraph::from_edges(self.len(), edges)
     }
 }

@@ -53,21 +53,31 @@ pub struct RefineReport {
 pub fn refine(neighbours: &Neighbours, params: &RefineParams) -> GeodesicGraph {
     let n = neighbours.len();
     let initial = params.initial_neighbours.min(neighbours.k());
-    let mut kept: Vec<(u32, u32, f64)> = Vec::with_capacity(n * neighbours.k());
-    let mut rejected: Vec<(u32, u32, f64)> = Vec::new();
-    for i in 0..n {
-        for (slot, (&j, &d)) in neighbours.of(i).iter().zip(neighbours.distances(i)).enumerate() {
-            if slot < initial || d == 0.0 { kept.push((i as u32, j, d)) } else { rejected.push((i as u32, j, d)) }
+    // Points are numbered in the order they are visited in until the end, so that searches read memory from one end to the other.
+    let order = neighbours.order();
+    let mut place = vec![0; n];
+    order.iter().zip(0..).for_each(|(&i, at)| place[i as usize] = at);
+    let mut kept: Vec<(u32, u32, f64)> = Vec::with_capacity(n * initial);
+    let mut rejected: Vec<(u32, u32, f64)> = Vec::with_capacity(n * (neighbours.k() - initial));
+    let mut candidates = 0;
+    for (&i, at) in order.iter().zip(0..) {
+        let of = neighbours.of(i as usize);
+        for (slot, (&j, &d)) in of.iter().zip(neighbours.distances(i as usize)).enumerate() {
+            let edge = (at, place[j as usize], d);
+            if slot < initial || d == 0.0 {
+                kept.push(edge)
+            } else {
+                rejected.push(edge)
+            }
+            candidates += usize::from(i < j || !neighbours.of(j as usize).contains(&i));
         }
     }
-    let candidates = EdgeGraph::from_edges(n, kept.iter().chain(&rejected).copied()).edge_count();
+    let mut graph = EdgeGraph::from_edges(n, kept);
     for _ in 0..params.iterations {
-        let graph = EdgeGraph::from_edges(n, kept.iter().copied());
-        let before = kept.len();
         let mut search = BoundedDijkstra::new(&graph);
-        let mut still_rejected = Vec::new();
+        let (mut passed, mut still_rejected) = (Vec::with_capacity(rejected.len()), Vec::new());
         let mut targets: Vec<u32> = Vec::new();
-        // `rejected` stays sorted by source, so each source is searched once.
+        // `rejected` stays grouped by source, so each source is searched once.
         for row in rejected.chunk_by(|a, b| a.0 == b.0) {
             let (source, farthest) = (row[0].0, row.iter().fold(0.0, |m: f64, e| m.max(e.2)));
             targets.clear();
@@ -75,30 +85,41 @@ pub fn refine(neighbours: &Neighbours, params: &RefineParams) -> GeodesicGraph {
             let reached = search.search_for(&targets, source, params.ratio * farthest);
             for &edge in row {
                 let passes = reached.to(edge.1) < params.ratio * edge.2;
-                if passes { kept.push(edge) } else { still_rejected.push(edge) }
+                if passes { passed.push(edge) } else { still_rejected.push(edge) }
             }
         }
         rejected = still_rejected;
-        if kept.len() == before {
+        if passed.is_empty() {
+            break;
+        }
+        graph = graph.with(passed);
+        if rejected.is_empty() {
             break;
         }
     }
-    let bridges = bridges(n, &kept, &rejected);
+    let bridges = bridges(&graph, &rejected, order);
     let report_bridges = bridges.len();
-    kept.extend(bridges);
-    let edges = EdgeGraph::from_edges(n, kept);
+    if !bridges.is_empty() {
+        graph = graph.with(bridges);
+    }
+    let edges = graph.renumbered(order, &place);
     let pruned = candidates - edges.edge_count();
     GeodesicGraph { edges, report: RefineReport { candidates, pruned, bridges: report_bridges } }
 }
 
-/// The shortest rejected edges that join pieces the kept edges leave apart (Kruskal).
-fn bridges(n: usize, kept: &[(u32, u32, f64)], rejected: &[(u32, u32, f64)]) -> Vec<(u32, u32, f64)> {
-    let mut forest = Forest::new(n);
-    for &(i, j, _) in kept {
+/// The shortest rejected edges that join pieces the kept edges leave apart (Kruskal); equally long ones as `order` names
+/// their ends.
+fn bridges(kept: &EdgeGraph, rejected: &[(u32, u32, f64)], order: &[u32]) -> Vec<(u32, u32, f64)> {
+    if rejected.is_empty() {
+        return Vec::new();
+    }
+    let mut forest = Forest::new(kept.len());
+    for (i, j, _) in kept.edges() {
         forest.join(i, j);
     }
     let mut by_length = rejected.to_vec();
-    by_length.sort_by(|a, b| a.2.total_cmp(&b.2).then((a.0, a.1).cmp(&(b.0, b.1))));
+    let ends = |edge: &(u32, u32, f64)| (order[edge.0 as usize], order[edge.1 as usize]);
+    by_length.sort_by(|a, b| a.2.total_cmp(&b.2).then(ends(a).cmp(&ends(b))));
     by_length.retain(|&(i, j, _)| forest.join(i, j));
     by_length
 }

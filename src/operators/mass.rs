@@ -27,7 +27,10 @@ const CORNERS: usize = 12;
 pub fn cloud_mass(points: &[[f64; 3]], neighbours: &Neighbours) -> Vec<f64> {
     let n = points.len();
     let mut clipped = Vec::with_capacity(2 * CORNERS);
-    let cells: Vec<f64> = (0..n).map(|i| cell_area(points, neighbours, i, &mut clipped)).collect();
+    let mut cells = vec![0.0; n];
+    for i in neighbours.order().iter().map(|&i| i as usize) {
+        cells[i] = cell_area(points, neighbours, i, &mut clipped);
+    }
     let discs: Vec<f64> = (0..n).map(|i| neighbours.distances(i).last().map_or(0.0, |r| r * r)).collect();
     let around =
         |i: usize, values: &[f64]| values[i] + neighbours.of(i).iter().map(|&j| values[j as usize]).sum::<f64>();

@@ -2,15 +2,16 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
-use faer::sparse::linalg::cholesky::simplicial::SimplicialLdltRef;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{ColRef, MatMut, Par, Side};
 use sprs::CsMat;
+
+use super::sweeps::Sweeps;
 
 /// L, M and the elimination order they share for every shift.
 pub(crate) struct Pencil<'l> {
@@ -24,7 +25,8 @@ pub(crate) struct Pencil<'l> {
 pub(crate) struct Factor<'p> {
     symbolic: &'p SymbolicCholesky<usize>,
     values: Vec<f64>,
-    buffer: MemBuffer,
+    /// Once something has been solved.
+    sweeps: Option<Sweeps>,
 }
 
 impl<'l> Pencil<'l> {
@@ -37,15 +39,27 @@ impl<'l> Pencil<'l> {
             structure,
             Side::Lower,
             SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
         )
         .ok()?;
         Some(Self { matrix, mass, indptr, symbolic })
     }
 
-    /// Number of points.
-    pub(super) fn len(&self) -> usize {
-        self.mass.len()
+    /// Entries of a row beside the diagonal, on average.
+    pub(super) fn neighbours(&self) -> f64 {
+        self.matrix.nnz() as f64 / self.mass.len() as f64 - 1.0
+    }
+
+    /// ‖(M^−½LM^−½ − μ)x − y‖.
+    pub(super) fn residual(&self, root_mass: &[f64], mu: f64, x: ColRef<'_, f64>, y: ColRef<'_, f64>) -> f64 {
+        let squares = self.matrix.outer_iterator().enumerate().map(|(i, row)| {
+            let product: f64 = row.iter().map(|(j, &value)| value * x[j] / root_mass[j]).sum();
+            (product / root_mass[i] - mu * x[i] - y[i]).powi(2)
+        });
+        squares.sum::<f64>().sqrt()
     }
 
     /// Factors L + shift·M. `None` when a pivot vanishes or memory runs out.
@@ -78,38 +92,34 @@ impl<'l> Pencil<'l> {
                 Default::default(),
             )
             .ok()?;
-        Some(Factor { symbolic: &self.symbolic, values, buffer: MemBuffer::new(faer::dyn_stack::StackReq::EMPTY) })
+        Some(Factor { symbolic: &self.symbolic, values, sweeps: None })
     }
 }
 
 impl Factor<'_> {
     /// Solves in place for the columns of `rhs` (n, b).
     pub(crate) fn solve(&mut self, rhs: MatMut<'_, f64>) {
-        let needed = self.symbolic.solve_in_place_scratch::<f64>(rhs.ncols(), Par::Seq);
-        if self.buffer.len() < needed.unaligned_bytes_required() {
-            self.buffer = MemBuffer::new(needed);
-        }
-        let factor = LdltRef::new(self.symbolic, &self.values);
-        factor.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, MemStack::new(&mut self.buffer));
+        let sweeps = self.sweeps.get_or_insert_with(|| {
+            let order = (0..self.symbolic.nrows()).map(|i| self.symbolic.perm().map_or(i, |perm| perm.arrays().0[i]));
+            Sweeps::new(&supernodal(self.symbolic, &self.values), order)
+        });
+        sweeps.solve(rhs);
     }
 
     /// Negative pivots: by Sylvester's law of inertia, the number of eigenvalues of (L, M) below −shift.
     pub(super) fn negative_pivots(&self) -> usize {
-        match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(symbolic) => {
-                let values = SimplicialLdltRef::new(symbolic, &self.values).values();
-                symbolic.col_ptr()[..symbolic.ncols()].iter().filter(|&&start| values[start] < 0.0).count()
-            }
-            SymbolicCholeskyRaw::Supernodal(symbolic) => {
-                let factor = SupernodalLdltRef::new(symbolic, &self.values);
-                (0..symbolic.n_supernodes())
-                    .map(|s| {
-                        let width = symbolic.supernode_end()[s] - symbolic.supernode_begin()[s];
-                        let block = factor.supernode(s).val();
-                        (0..width).filter(|&i| block[(i, i)] < 0.0).count()
-                    })
-                    .sum()
-            }
-        }
+        let factor = supernodal(self.symbolic, &self.values);
+        let negative = |s: usize| {
+            let block = factor.supernode(s).val();
+            (0..block.ncols()).filter(|&i| block[(i, i)] < 0.0).count()
+        };
+        (0..factor.symbolic().n_supernodes()).map(negative).sum()
+    }
+}
+
+fn supernodal<'a>(symbolic: &'a SymbolicCholesky<usize>, values: &'a [f64]) -> SupernodalLdltRef<'a, usize, f64> {
+    match symbolic.raw() {
+        SymbolicCholeskyRaw::Supernodal(symbolic) => SupernodalLdltRef::new(symbolic, values),
+        SymbolicCholeskyRaw::Simplicial(_) => unreachable!("supernodes were asked for"),
     }
 }

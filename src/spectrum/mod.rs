@@ -6,6 +6,7 @@ mod factor;
 mod lanczos;
 mod signs;
 mod solve;
+mod sweeps;
 
 pub use basis::SpectralBasis;
 pub(crate) use factor::Pencil;
