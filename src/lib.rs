@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! bytes ─read─▶ Shape ─graph─▶ EdgeGraph ─operators─▶ Laplacian ─spectrum─▶ SpectralBasis
-//!    ─features─▶ PointFeatures ─(pair) fmap─▶ FunctionalMap both ways ─refine─▶ Correspondence
+//!    ─features─▶ PointEmbedding ─(pair) attention, fmap─▶ FunctionalMap both ways ─refine─▶ Correspondence
 //! ```
 //!
 //! `pipeline.rs` is that line as code; start there. The method is the functional-map framework of the paper "GeoSe-FMap:
