@@ -85,8 +85,10 @@ impl fmt::Display for Evaluation {
         if let (Some(flips), Some(points)) = (self.flips, self.flipped_points) {
             writeln!(f, "{flips} of {pairs} flipped, {:.1} % of points", 100.0 * points)?;
         }
-        if let (Some(miou), Some(agreement)) = (self.part_miou, self.part_agreement) {
-            writeln!(f, "parts: mIoU {miou:.3}, agreement {agreement:.3}")?;
+        let scores = [("mIoU", self.part_miou), ("agreement", self.part_agreement)];
+        let scores: Vec<_> = scores.iter().filter_map(|(what, s)| Some(format!("{what} {:.3}", (*s)?))).collect();
+        if !scores.is_empty() {
+            writeln!(f, "parts: {}", scores.join(", "))?;
         }
         let seconds = [("shape", self.seconds_per_shape), ("pair", self.seconds_per_pair)];
         let seconds: Vec<_> =
