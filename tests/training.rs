@@ -1,0 +1,144 @@
+//! Training: what its loader gives away, that a run resumes where it stopped, and that it learns.
+#![cfg(feature = "train")]
+
+mod shapes;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use geose_fmap::train::pool::Pool;
+use geose_fmap::train::run::{RunConfig, train};
+use geose_fmap::train::sample::Sample;
+use geose_fmap::{Model, ModelConfig, Shape, Weights};
+use ndarray::Axis;
+use shapes::{Random, body};
+
+fn network() -> ModelConfig {
+    ModelConfig {
+        width: 12,
+        blocks: 2,
+        eigenpairs: 24,
+        moments: 3,
+        features: 8,
+        attention: 4,
+        ..ModelConfig::shipped()
+    }
+}
+
+/// Every twelfth point of a sample body, in an order of one's own.
+fn scan(name: &str, order: impl Fn(usize) -> Vec<u32>) -> Shape {
+    let whole = body(name);
+    let labels = whole.labels().expect("samples have labels");
+    let kept: Vec<usize> = (0..whole.points().len()).step_by(12).collect();
+    let order = order(kept.len());
+    let rows: Vec<usize> = order.iter().map(|&i| kept[i as usize]).collect();
+    let points = rows.iter().map(|&i| whole.points()[i]).collect();
+    Shape::new(points, vec![], Some(rows.iter().map(|&i| labels[i]).collect())).expect("a cloud")
+}
+
+fn in_order(n: usize) -> Vec<u32> {
+    (0..n as u32).collect()
+}
+
+/// A folder of its own.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Two people as training finds them on disk.
+fn pool(name: &str) -> Pool {
+    let folder = folder(name);
+    for (index, name) in ["woman-standing.ply", "man-lunging.ply"].iter().enumerate() {
+        let sample = Sample::new(scan(name, in_order), None, &network()).expect("a sample");
+        sample.save(&folder.join(format!("{index:06}.sample"))).expect("saved");
+    }
+    Pool::open(&folder, 2).expect("opened")
+}
+
+/// Labels are all that says what a point is: in another order of the points the same numbers come in that order, so that no place in a list and no
+/// hidden channel can say which body point a point is.
+#[test]
+fn the_loader_knows_parts_and_no_vertices() {
+    let shuffled = |n: usize| Random(5).permutation(n);
+    let plain = Sample::new(scan("man-lunging.ply", in_order), None, &network()).expect("a sample");
+    let mixed = Sample::new(scan("man-lunging.ply", shuffled), None, &network()).expect("a sample");
+    let order: Vec<usize> = shuffled(plain.labels.len()).iter().map(|&i| i as usize).collect();
+    assert_eq!(mixed.labels, order.iter().map(|&i| plain.labels[i]).collect::<Vec<_>>());
+    assert!(plain.labels.iter().all(|&label| label < 14));
+    let same = |name: &str, a: &ndarray::Array2<f32>, b: &ndarray::Array2<f32>| {
+        let apart = (a - &b.select(Axis(0), &order)).iter().fold(0.0f32, |most, d| most.max(d.abs()));
+        assert!(apart < 1e-3, "{name}: {apart}");
+    };
+    let (mixed, plain) = (&mixed.inputs, &plain.inputs);
+    same("channels", &mixed.channels, &plain.channels);
+    same("points", &mixed.points, &plain.points);
+    // Eigenfunctions up to their sign.
+    let squares = |m: &ndarray::Array2<f32>| m.mapv(|v| v * v);
+    same("phi", &squares(&mixed.phi), &squares(&plain.phi));
+    let slopes = |s: &geose_fmap::ShapeInputs| squares(&s.gradients[0]) + squares(&s.gradients[1]);
+    let (a, b) = (slopes(mixed), slopes(plain));
+    let largest = b.iter().fold(0.0f32, |most, v| most.max(*v));
+    same("gradients", &(a / largest), &(b / largest));
+}
+
+#[test]
+fn a_sample_comes_back_from_its_file_in_half_precision() {
+    let folder = folder("sample");
+    let sample = Sample::new(scan("woman-standing.ply", in_order), None, &network()).expect("a sample");
+    let path = folder.join("one.sample");
+    sample.save(&path).expect("saved");
+    let again = Sample::load(&path).expect("loaded");
+    assert_eq!(again.labels, sample.labels);
+    for (a, b) in [
+        (&again.inputs.phi, &sample.inputs.phi),
+        (&again.inputs.projector, &sample.inputs.projector),
+        (&again.inputs.moments, &sample.inputs.moments),
+        (&again.inputs.gradients[0], &sample.inputs.gradients[0]),
+    ] {
+        let largest = b.iter().fold(0.0f32, |most, v| most.max(v.abs()));
+        let apart = (a - b).iter().fold(0.0f32, |most, d| most.max(d.abs()));
+        assert!(apart < 1e-3 * largest, "{apart} of {largest}");
+    }
+    fs::write(&path, b"not a sample").expect("written");
+    assert!(Sample::load(&path).is_err());
+}
+
+fn weights(folder: &Path) -> Weights {
+    Weights::from_bytes(&fs::read(folder.join("weights.safetensors")).expect("written")).expect("weights")
+}
+
+#[test]
+fn a_run_that_was_stopped_goes_on_as_if_it_had_not_been() {
+    let pool = pool("resumed");
+    let run = RunConfig { steps: 6, maps_from: 2, ..RunConfig::default() };
+    let (whole, parts) = (folder("whole"), folder("parts"));
+    assert!(train(&network(), &run, &pool, &whole, None, f64::INFINITY).expect("trained"));
+    // With no time at all a run ends after one step.
+    let mut pieces = 0;
+    while !train(&network(), &run, &pool, &parts, None, 0.0).expect("trained") {
+        pieces += 1;
+    }
+    assert_eq!(pieces, 5);
+    assert_eq!(weights(&whole), weights(&parts));
+    Model::new(weights(&whole)).expect("a network");
+}
+
+#[test]
+fn parts_are_learned_in_a_few_steps() {
+    let pool = pool("learned");
+    let folder = folder("learned-run");
+    let run = RunConfig { steps: 120, maps_from: 60, rate: 1e-2, ..RunConfig::default() };
+    train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained");
+    let log = fs::read_to_string(folder.join("log.csv")).expect("a log");
+    let value = |line: &str, name: &str| -> f64 {
+        let field = line.split(',').find_map(|field| field.strip_prefix(&format!("{name}=")));
+        field.expect("in every line").parse().expect("a number")
+    };
+    let (first, last) = (log.lines().next().expect("lines"), log.lines().last().expect("lines"));
+    let (before, after) = (value(first, "parts"), value(last, "parts"));
+    assert!(after < 0.5 * before && after < 0.9, "cross-entropy {before}, then {after}");
+    assert!(value(last, "coupling") > 0.0, "functional maps joined in");
+}
