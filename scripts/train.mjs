@@ -1,4 +1,4 @@
-// Trains the weights that ship, as the model card says: `npm run train` → runs/bodies. Options go on to the trainer: `npm run train -- --minutes 60`.
+// Trains weights of the kind that ship: `npm run train` → runs/bodies. Options go on to the trainer: `npm run train -- --minutes 60`.
 import { existsSync, mkdirSync, readdirSync } from 'node:fs';
 import path from 'node:path';
 import { Failure, environment, main, root, run, say, which } from './run.mjs';

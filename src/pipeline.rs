@@ -219,7 +219,9 @@ pub async fn match_with<D: Device>(
     let mut weights = serde_json::Value::Null;
     let mut familiarity = None;
     let learned = match (&a.embedding, &b.embedding) {
-        (Some(of_a), Some(of_b)) => {
+        (Some(of_a), Some(of_b))
+            if [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.features) =>
+        {
             let soft = masks(options.parts, of_a, of_b, parts);
             let sides = [(&mut side_a, of_a), (&mut side_b, of_b)];
             let (maps, at_home) = learned_maps(device, model, sides, soft, known).await;

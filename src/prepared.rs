@@ -293,6 +293,7 @@ impl PreparedShape {
             Array2::from_shape_vec((p, found.len() / p), found).map_err(matrix)
         };
         let embedding = match block.names().contains(&"learned") {
+            true if learned("partProbabilities")?.ncols() != PARTS.len() => return Err(fail("its parts are others")),
             true => Some(PointEmbedding { features: learned("learned")?, parts: learned("partProbabilities")? }),
             false => None,
         };

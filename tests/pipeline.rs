@@ -669,8 +669,7 @@ fn four_faust_scans_load_prepare_and_match() {
                 truth_a.iter().zip(&truth_b).map(|(&i, &j)| (found.a_to_b.target[i as usize], j)).collect();
             let error = mean_error(&distances, &pairs);
             println!("{a} onto {b} as {name}: {error:.2} (×100/√area)");
-            // The other pair stands on its head as long as no network chooses the alignment.
-            assert!(error < if a == "tr_reg_080" { 4.0 } else { 100.0 }, "{a} onto {b} as {name}: {error}");
+            assert!(error < 4.0, "{a} onto {b} as {name}: {error}");
         }
     }
 }

@@ -142,3 +142,12 @@ fn parts_are_learned_in_a_few_steps() {
     assert!(after < 0.5 * before && after < 0.9, "cross-entropy {before}, then {after}");
     assert!(value(last, "coupling") > 0.0, "functional maps joined in");
 }
+
+/// Both configurations survive the JSON that options are merged in.
+#[test]
+fn run_configurations_survive_their_json() {
+    for run in [RunConfig::default(), RunConfig::paper()] {
+        let text = serde_json::to_string(&run).expect("JSON");
+        assert_eq!(serde_json::from_str::<RunConfig>(&text).expect("read back"), run);
+    }
+}

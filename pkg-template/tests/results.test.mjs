@@ -56,8 +56,9 @@ describe('what a matcher hands out', () => {
     assert.deepEqual(report.gpu, { dispatches: 0, uploads: 0, downloads: 0 });
     assert.ok(Array.isArray(report.warnings));
     for (const warning of report.warnings) assert.doesNotMatch(warning, /without a trained network/);
-    assert.deepEqual(Object.keys(report.weights).sort(), ['name', 'version']);
-    for (const said of Object.values(report.weights)) assert.ok(typeof said === 'string' && said.length > 0);
+    // These shapes are no people: the report is unsure, and the network's weights took no part.
+    assert.ok(report.warnings.some((warning) => warning.startsWith('unsure')));
+    assert.equal(report.weights, null);
     for (const stage of Object.keys(report.seconds)) assert.ok(STAGES.includes(stage), stage);
   });
 

@@ -115,9 +115,12 @@ impl Body<'_> {
                 (-squared / (2.0 * CYCLE_SCALE * CYCLE_SCALE)).exp() + LEAST_WEIGHT
             })
             .collect();
-        let Some(pencil) = self.elastic.pencil() else { return };
         let start = self.deformed.take().unwrap_or_else(|| self.guess(&targets));
-        self.deformed = Some(self.elastic.deform(&pencil, &targets, &weights, stiffness, start));
+        // Without memory for the factorisation the body stays where it was, or where the smooth targets are.
+        self.deformed = Some(match self.elastic.pencil() {
+            Some(pencil) => self.elastic.deform(&pencil, &targets, &weights, stiffness, start),
+            None => start,
+        });
     }
 
     /// Targets as smooth as the first eigenfunctions are, and the turn of the body as a whole.

@@ -43,7 +43,7 @@ impl Familiarity {
     }
 }
 
-/// C_ab and C_ba at k = 60, and how far they can be trusted. Leaves features and parts as further columns with both sides, for refinement. `masks` are probabilities of parts (p, c) that
+/// C_ab and C_ba at k = 60, and how far they can be trusted. Leaves features and `masks` as further columns with both sides. `masks` are probabilities of parts (p, c) that
 /// attention masks with; `known` (k, l) are coefficients of functions known to correspond.
 pub async fn learned_maps<D: Device>(
     device: &D,
@@ -72,26 +72,29 @@ pub async fn learned_maps<D: Device>(
         let projected = device.matmul_tn(&device.upload(projector.mapv(|v| v as f32).view()), features);
         coefficients.push(device.download(&projected).await.mapv(f64::from));
     }
-    if let Some((known_a, known_b)) = known {
-        for (g, known) in coefficients.iter_mut().zip([known_a, known_b]) {
-            *g = concatenate![Axis(1), *g, known.slice(s![..k, ..])];
-        }
-    }
-    let (g_a, g_b) = (coefficients[0].view(), coefficients[1].view());
     let (lambda_a, lambda_b) = (a.basis.eigenvalues.slice(s![..k]), b.basis.eigenvalues.slice(s![..k]));
-    let maps = MapPair {
+    let solve = |g_a: ArrayView2<f64>, g_b: ArrayView2<f64>| MapPair {
         c_ab: FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b).matrix,
         c_ba: FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a).matrix,
     };
+    // Judged by what the network says alone: what a user knows says nothing about it.
+    let maps = solve(coefficients[0].view(), coefficients[1].view());
     let off = |there_and_back: Array2<f64>| (there_and_back - Array2::<f64>::eye(k)).iter().map(|v| v * v).sum::<f64>();
     let familiarity = Familiarity {
         bijectivity: (off(maps.c_ab.dot(&maps.c_ba)) + off(maps.c_ba.dot(&maps.c_ab))) / (2 * k) as f64,
         certainty: certainty(&*a, of_a).min(certainty(&*b, of_b)),
     };
+    let maps = match known {
+        Some((known_a, known_b)) => {
+            let joined = |g: &Array2<f64>, known: ArrayView2<f64>| concatenate![Axis(1), *g, known.slice(s![..k, ..])];
+            solve(joined(&coefficients[0], known_a).view(), joined(&coefficients[1], known_b).view())
+        }
+        None => maps,
+    };
     let [features_a, features_b] = compared;
-    for (m, e, features) in [(a, of_a, features_a), (b, of_b, features_b)] {
+    for (m, mask, features) in [(a, mask_a, features_a), (b, mask_b, features_b)] {
         let features = device.download(&features).await * FEATURES;
-        m.extra = Some(concatenate![Axis(1), features, e.parts.mapv(|p| PARTS * p.sqrt())]);
+        m.extra = Some(concatenate![Axis(1), features, mask.mapv(|p| PARTS * p.sqrt())]);
     }
     (maps, familiarity)
 }

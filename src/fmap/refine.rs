@@ -26,7 +26,7 @@ pub struct MapPair {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Refinement {
-    /// The first functional maps as they are.
+    /// The first functional maps as they are, nearest neighbours over spectral coordinates and learned features.
     None,
     /// ZoomOut up to the whole basis.
     ZoomOut,

@@ -83,7 +83,7 @@ impl RunConfig {
             schedule: Schedule::Halved,
             warm_up: 0,
             decay: 0.0,
-            clip: f32::INFINITY,
+            clip: f32::MAX,
             maps_from: 0,
             name: "paper".to_owned(),
             losses: LossWeights::paper(),
@@ -141,13 +141,21 @@ pub fn train(
     let state = folder.join("state.safetensors");
     let rng = ChaCha8Rng::seed_from_u64(run.seed);
     let mut parameters = match (fs::read(&state), start) {
-        (Ok(bytes), _) => Parameters::from_weights(&Weights::from_bytes(&bytes)?, rng),
-        (Err(_), Some(weights)) => Parameters::from_weights(weights, rng),
+        (Ok(bytes), _) => {
+            let resumed = Weights::from_bytes(&bytes)?;
+            if resumed.config != *config {
+                return Err(WeightsError(format!("{} is of another network", state.display())).into());
+            }
+            Parameters::from_weights(&resumed, rng)
+        }
+        (Err(error), _) if error.kind() != io::ErrorKind::NotFound => return Err(error.into()),
+        (Err(_), Some(weights)) => {
+            let mut begun = Parameters::from_weights(weights, rng);
+            begun.steps = 0;
+            begun
+        }
         (Err(_), None) => Parameters::new(rng),
     };
-    if start.is_some() && !state.exists() {
-        parameters.steps = 0;
-    }
     let network = Network::new(config, &mut parameters)?;
     println!("{} parameters, at step {} of {}", parameters.count(), parameters.steps, run.steps);
 
