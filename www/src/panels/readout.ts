@@ -21,6 +21,7 @@ export function showReadout(store: AppStore, choose: (selection: Selection | nul
       else choose(value === '' ? null : { side, index });
     });
   }
+  const chosen: Record<Side, number | null> = { a: null, b: null };
   store.watch(['scans', 'result', 'hovered', 'pinned', 'pairing', 'colour'], (state) => {
     const selection = state.hovered ?? state.pinned;
     for (const side of sides) {
@@ -28,7 +29,12 @@ export function showReadout(store: AppStore, choose: (selection: Selection | nul
       const points = state.scans[side]?.shape.info.points;
       input.disabled = points === undefined;
       if (points !== undefined) input.max = String(points - 1);
-      const index = indexOn(state, side, selection);
+      // A number that is being typed is not overwritten by a pointer that happens to lie over a body.
+      const before = chosen[side];
+      chosen[side] = indexOn(state, side, state.pinned);
+      const typing = document.activeElement === input;
+      if (typing && chosen[side] === before) continue;
+      const index = typing ? chosen[side] : indexOn(state, side, selection);
       input.value = index === null ? '' : String(index);
       input.setAttribute('aria-invalid', 'false');
     }
