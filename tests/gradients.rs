@@ -152,6 +152,15 @@ fn training_computes_what_the_cpu_computes() {
         let apart = (&ours - &theirs).iter().fold(0.0f32, |m, v| m.max(v.abs()));
         assert!(apart < 2e-5, "{name}: {apart}");
     };
+    let (square, ts) = (values(6, 6, 5), tensor(values(6, 6, 5).view()));
+    same("matmul", Cpu.matmul(&x, &square), d.matmul(&tx, &ts));
+    same("matmul_tn", Cpu.matmul_tn(&x, &x), d.matmul_tn(&tx, &tx));
+    same("linear", Cpu.linear(&x, &square, &bias), d.linear(&tx, &ts, &tb));
+    same("multiply", Cpu.multiply(&x, &x), d.multiply(&tx, &tx));
+    same("add", Cpu.add(&x, &x, -0.3), d.add(&tx, &tx, -0.3));
+    same("concat", Cpu.concat(&[(&x, 0.5), (&x, 1.0)]), d.concat(&[(&tx, 0.5), (&tx, 1.0)]));
+    same("gather", Cpu.gather(&x, &vec![69, 0, 3]), d.gather(&tx, &vec![69, 0, 3]));
+    same("leading_columns", Cpu.leading_columns(&x, 2), d.leading_columns(&tx, 2));
     same("matmul_nt", Cpu.matmul_nt(&x, &y), d.matmul_nt(&tx, &ty));
     same("layer_norm", Cpu.layer_norm(&x, &gain, &bias), d.layer_norm(&tx, &tg, &tb));
     same("tanh", Cpu.tanh(&x), d.tanh(&tx));

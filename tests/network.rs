@@ -3,7 +3,8 @@
 mod shapes;
 
 use geose_fmap::{
-    Cpu, MatchOptions, Model, PARTS, PrepareOptions, PreparedShape, Progress, Shape, Weights, match_shapes,
+    Cpu, MatchOptions, Model, PARTS, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Weights,
+    match_shapes,
 };
 
 use shapes::{body, prepared, soup, torus, turn};
@@ -103,4 +104,29 @@ fn weights_survive_their_file_and_damaged_ones_are_refused() {
     let end = poisoned.len();
     poisoned[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
     assert!(Weights::from_bytes(&poisoned).expect_err("refused").to_string().contains("not finite"));
+}
+
+/// Without parts the map knows features alone: whatever was predicted changes no match.
+#[test]
+fn parts_that_were_not_asked_for_change_nothing() {
+    let (mut a, b) = (prepared(body("woman-standing.ply"), &options()), prepared(body("man-lunging.ply"), &options()));
+    let found = |a: &PreparedShape, parts: Parts| {
+        let options = MatchOptions { parts, refine: Refinement::None, ..MatchOptions::default() };
+        pollster::block_on(match_shapes(&Cpu, a, &b, &options, &mut Progress::silent())).expect("matched").a_to_b.target
+    };
+    let (without, with) = (found(&a, Parts::None), found(&a, Parts::Predicted));
+    // The sides exchanged, as sure as before, so that the pair is as familiar.
+    let parts = &mut a.embedding.as_mut().expect("a network was asked").parts;
+    *parts = parts.select(ndarray::Axis(1), &[0, 1, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12]);
+    assert_eq!(found(&a, Parts::None), without);
+    assert_ne!(found(&a, Parts::Predicted), with, "where they are asked for they count");
+}
+
+#[test]
+fn a_block_with_other_parts_is_refused() {
+    let mut shape = prepared(body("man-standing.ply"), &options());
+    let embedding = shape.embedding.as_mut().expect("a network was asked");
+    embedding.parts = embedding.parts.slice(ndarray::s![.., ..13]).to_owned();
+    let refusal = PreparedShape::from_bytes(&shape.to_bytes().expect("bytes")).expect_err("refused");
+    assert!(refusal.to_string().contains("its parts are others"), "{refusal}");
 }

@@ -1,8 +1,8 @@
 //! DiffusionNet (Sharp, Attaiki, Crane & Ovsjanikov 2022): points talk to each other through heat that spreads for learned times, and through gradients.
 //!
-//! Departures, measured in training: layer norm before each block; gradient features are inner products with a real matrix (the sign of a tangent axis,
-//! which means nothing on a cloud, falls out); [`Moments`] join each block. The paper's own configuration keeps batch normalisation out of the
-//! forward pass too: with one pair per step its statistics are those of a shape, which layer norm stands for.
+//! Departures: gradient features are inner products with a real matrix (the sign of a tangent axis, which means nothing on a cloud, falls out);
+//! [`Moments`] join each block; layer norm before each block where the paper (Sec. 3.3) has batch normalisation after each diffusion. The two norms
+//! have not been compared here, and no configuration has the paper's.
 
 use super::inputs::InputsOn;
 use super::layers::{LayerNorm, Linear};

@@ -15,7 +15,7 @@ pub struct Correspondence {
 }
 
 /// Distance at which going there and back again costs e^−½ of the confidence, in √area: about a hand's width on a person.
-const CYCLE_SCALE: f64 = 0.05;
+pub(super) const CYCLE_SCALE: f64 = 0.05;
 
 impl Correspondence {
     /// Says what somebody knows: point `i` belongs to `target`.

@@ -9,14 +9,12 @@ use std::{fs, io};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::bodies::held_out::HELD_OUT_SEEDS;
 use super::bodies::scan::ScanOptions;
 use super::bodies::{BodyModel, Template};
 use super::sample::Sample;
 use crate::model::ModelConfig;
 use crate::operators::LaplacianKind;
-
-/// Seeds from here on belong to bodies held out for measuring.
-pub const HELD_OUT: u64 = 800_000;
 
 /// A folder of samples, `count` of them, being filled from the front.
 pub struct Pool {
@@ -78,8 +76,8 @@ impl Pool {
                     // A body that cannot be used: another one of a seed that no index has.
                     Err(error) => {
                         eprintln!("body {seed}: {error}");
-                        seed += HELD_OUT / 8;
-                        if seed >= HELD_OUT {
+                        seed += HELD_OUT_SEEDS / 8;
+                        if seed >= HELD_OUT_SEEDS {
                             return;
                         }
                     }
