@@ -2,13 +2,16 @@
 
 mod basis;
 mod dense;
+mod error;
 mod factor;
 mod lanczos;
+mod problem;
 mod signs;
 mod solve;
 mod sweeps;
 
 pub use basis::SpectralBasis;
+pub use error::SpectrumError;
 pub(crate) use factor::Pencil;
 pub(crate) use solve::check_size;
-pub use solve::{SpectrumError, SpectrumReport, spectrum};
+pub use solve::{SpectrumReport, spectrum};

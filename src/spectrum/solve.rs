@@ -6,14 +6,15 @@ use ndarray::{Array1, Array2};
 use serde::Serialize;
 use sprs::CsMat;
 
-use super::SpectralBasis;
 use super::dense::smallest_eigenpairs;
 use super::factor::{Factor, Pencil};
 use super::lanczos::Lanczos;
+use super::problem::{active_points, restrict, scales};
 use super::signs::make_canonical;
 use super::sweeps::LANES;
+use super::{SpectralBasis, SpectrumError};
 use crate::graph::components;
-use crate::progress::{Cancelled, Progress, Stage};
+use crate::progress::{Progress, Stage};
 
 /// Columns that are solved for, orthogonalised and found together.
 const BLOCK: usize = LANES;
@@ -46,100 +47,6 @@ pub struct SpectrumReport {
     pub pieces: usize,
     /// True when the inertia of L − μM, μ just under the last eigenvalue, proved that none below was missed.
     pub complete: bool,
-}
-
-/// Why there are no eigenpairs.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SpectrumError {
-    /// Arrays of different lengths, unsorted columns, an index out of range, entries that are not finite or not symmetric.
-    #[error("the matrix is not valid: {reason}")]
-    InvalidMatrix {
-        /// What is wrong.
-        reason: String,
-    },
-    /// A basis without functions.
-    #[error("a spectrum needs at least one eigenpair, and none was asked for")]
-    NoEigenpairs,
-    /// Too few points with mass for even one eigenpair.
-    #[error("a spectrum needs at least 3 points with mass, and there are {found}")]
-    TooFewPoints {
-        /// Points with mass.
-        found: usize,
-    },
-    /// A negative or non-finite mass, or none where the matrix has entries.
-    #[error("point {index} has mass {mass}: it must be positive wherever the Laplacian has entries")]
-    InvalidMass {
-        /// First such point.
-        index: usize,
-        /// Its mass.
-        mass: f64,
-    },
-    /// A negative eigenvalue, or no factorisation at all.
-    #[error("the Laplacian could not be factorised: it is not a positive semi-definite matrix")]
-    NotFactorised,
-    /// More pairs asked for than fit in memory.
-    #[error(
-        "{eigenpairs} eigenpairs of {points} points need {bytes} bytes, more than the 2 GiB there may be: ask for fewer"
-    )]
-    TooLarge {
-        /// Pairs asked for.
-        eigenpairs: usize,
-        /// Points.
-        points: usize,
-        /// Memory it would take.
-        bytes: u64,
-    },
-    /// The iteration ended before all pairs had the residual promised.
-    #[error("only {converged} of {wanted} eigenpairs converged (residual {residual:.1e})")]
-    NotConverged {
-        /// Pairs with a small enough residual.
-        converged: usize,
-        /// Pairs asked for.
-        wanted: usize,
-        /// Largest residual, relative to the largest eigenvalue.
-        residual: f64,
-    },
-    /// The listener asked for a stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl SpectrumError {
-    /// Stable machine-readable name.
-    pub fn code(&self) -> &'static str {
-        match self {
-            SpectrumError::InvalidMatrix { .. } => "invalid-matrix",
-            SpectrumError::NoEigenpairs => "invalid-option",
-            SpectrumError::TooFewPoints { .. } => "too-few-points",
-            SpectrumError::InvalidMass { .. } => "invalid-mass",
-            SpectrumError::NotFactorised => "not-factorised",
-            SpectrumError::TooLarge { .. } => "too-large",
-            SpectrumError::NotConverged { .. } => "not-converged",
-            SpectrumError::Cancelled(_) => "cancelled",
-        }
-    }
-
-    /// The numbers behind the sentence.
-    pub fn details(&self) -> serde_json::Value {
-        use serde_json::json;
-        match self {
-            SpectrumError::TooFewPoints { found } => json!({ "found": found }),
-            SpectrumError::InvalidMass { index, mass } => json!({ "index": index, "mass": mass }),
-            SpectrumError::TooLarge { eigenpairs, points, bytes } => {
-                json!({ "eigenpairs": eigenpairs, "points": points, "bytes": bytes })
-            }
-            SpectrumError::NotConverged { converged, wanted, residual } => {
-                json!({ "converged": converged, "wanted": wanted, "residual": residual })
-            }
-            SpectrumError::NoEigenpairs
-            | SpectrumError::InvalidMatrix { .. }
-            | SpectrumError::NotFactorised
-            | SpectrumError::Cancelled(_) => {
-                json!({})
-            }
-        }
-    }
 }
 
 /// The `eigenpairs` smallest eigenpairs of L φ = λ M φ, or n − 2 where there are not so many points.
@@ -195,85 +102,6 @@ pub(crate) fn check_size(n: usize, k: usize) -> Result<u64, SpectrumError> {
         return Err(SpectrumError::TooLarge { eigenpairs: k, points: n, bytes });
     }
     Ok(bytes)
-}
-
-/// Points that take part: all but those with neither mass nor entries.
-fn active_points(matrix: &CsMat<f64>, mass: &[f64]) -> Result<Vec<usize>, SpectrumError> {
-    if matrix.rows() != mass.len() || matrix.cols() != mass.len() || !matrix.is_csr() {
-        return Err(SpectrumError::InvalidMatrix {
-            reason: format!("{} × {} for {} masses", matrix.rows(), matrix.cols(), mass.len()),
-        });
-    }
-    check_entries(matrix)?;
-    let mut active = Vec::with_capacity(mass.len());
-    for (index, row) in matrix.outer_iterator().enumerate() {
-        let empty = row.iter().all(|(_, &value)| value == 0.0);
-        let mass = mass[index];
-        match mass {
-            m if m > 0.0 && m.is_finite() => active.push(index),
-            0.0 if empty => {}
-            _ => return Err(SpectrumError::InvalidMass { index, mass }),
-        }
-    }
-    Ok(active)
-}
-
-/// Refuses entries that are not finite, and two of a pair that differ by more than rounding.
-fn check_entries(matrix: &CsMat<f64>) -> Result<(), SpectrumError> {
-    let invalid = |reason| Err(SpectrumError::InvalidMatrix { reason });
-    if let Some((value, (i, j))) = matrix.iter().find(|(value, _)| !value.is_finite()) {
-        return invalid(format!("entry ({i}, {j}) is {value}"));
-    }
-    let largest = matrix.data().iter().fold(0.0, |m: f64, value| m.max(value.abs()));
-    let difference = matrix - &matrix.transpose_view().to_csr();
-    match difference.iter().find(|(value, _)| value.abs() > 1e-9 * largest) {
-        Some((value, (i, j))) => invalid(format!("entries ({i}, {j}) and ({j}, {i}) differ by {value:e}")),
-        None => Ok(()),
-    }
-}
-
-/// Powers of two that bring L, and the root of M, near 1, so that the unit of the scan meets no threshold on the way: with masses
-/// of 1e-12 the dense eigensolver of the projected problem loses five digits. Division by them rounds nothing.
-fn scales(matrix: &CsMat<f64>, mass: &[f64]) -> (f64, f64) {
-    let n = mass.len() as f64;
-    let weight = matrix.diag_iter().map(|d| d.map_or(0.0, |d| d.abs())).sum::<f64>() / n;
-    let root_mass = (mass.iter().sum::<f64>() / n).sqrt();
-    // All bits but those of the exponent dropped; 0 and what overflowed stay as they are.
-    let power = |x: f64| if x.is_normal() { f64::from_bits(x.to_bits() & f64::INFINITY.to_bits()) } else { 1.0 };
-    (power(weight), power(root_mass))
-}
-
-/// Rows and columns of the active points, with every diagonal entry present.
-fn restrict(matrix: &CsMat<f64>, mass: &[f64], active: &[usize]) -> (CsMat<f64>, Vec<f64>) {
-    let mut row_of = vec![usize::MAX; mass.len()];
-    for (row, &i) in active.iter().enumerate() {
-        row_of[i] = row;
-    }
-    let (mut indptr, mut indices, mut data) =
-        (vec![0], Vec::with_capacity(matrix.nnz()), Vec::with_capacity(matrix.nnz()));
-    for (row, &i) in active.iter().enumerate() {
-        let mut diagonal = false;
-        if let Some(entries) = matrix.outer_view(i) {
-            for (j, &value) in entries.iter().filter(|&(j, _)| row_of[j] != usize::MAX) {
-                if !diagonal && row_of[j] >= row {
-                    diagonal = true;
-                    if row_of[j] > row {
-                        indices.push(row);
-                        data.push(0.0);
-                    }
-                }
-                indices.push(row_of[j]);
-                data.push(value);
-            }
-        }
-        if !diagonal {
-            indices.push(row);
-            data.push(0.0);
-        }
-        indptr.push(indices.len());
-    }
-    let size = active.len();
-    (CsMat::new((size, size), indptr, indices, data), active.iter().map(|&i| mass[i]).collect())
 }
 
 fn solve(
