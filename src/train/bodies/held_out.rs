@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::parts::PARTS;
+use super::random::PoseSource;
 use super::samples::SampleError;
 use super::scan::even_mesh;
 use super::write::write_off;
@@ -45,7 +46,8 @@ pub fn write_set(model: &BodyModel, out: &Path, set: &HeldOut) -> Result<Vec<Str
     let names: Vec<String> = (0..set.count).map(|i| format!("body_{:06}", set.seed + i as u64)).collect();
     for (i, name) in names.iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(set.seed + i as u64);
-        let body = model.draw_body(&template, i % IN_CONTACT == 0, &mut rng)?;
+        let source = if i % IN_CONTACT == 0 { PoseSource::Gesture } else { PoseSource::Free };
+        let body = model.draw_body(&template, source, &mut rng)?;
         let mesh = even_mesh(&body.skin, &model.skin.triangles, set.points, &mut rng);
         let places: Vec<DVec3> = mesh.vertices.iter().map(|&v| body.skin[v as usize]).collect();
         let mut off = Vec::new();

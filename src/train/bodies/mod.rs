@@ -7,6 +7,8 @@
 //! seed ─random─▶ person, pose (drawn again while it passes through itself) ─▶ fine skin ─scan─▶ Scan (and, apart from it, its Truth)
 //! ```
 
+pub mod anchors;
+pub mod bvh;
 pub mod chance;
 pub mod cloud;
 pub mod data;

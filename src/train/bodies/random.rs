@@ -1,9 +1,10 @@
 //! A random person in a random pose that could be: drawn again while the body passes through itself.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::anchors::random_turns;
 use super::chance::{happens, uniform};
 use super::data::DataError;
 use super::pose::{Arm, Pose};
@@ -13,7 +14,9 @@ use super::touch::{Gesture, Limb, Place, Skin};
 use super::{BodyModel, METRES, Rest, Template};
 
 /// Share of bodies that touch themselves on purpose.
-const IN_CONTACT: f64 = 0.22;
+const IN_CONTACT: f64 = 0.3;
+/// Share of the others that take their pose from a motion file.
+const ANCHORED: f64 = 0.15;
 /// Largest share of the spots deep inside another part: eight of two thousand, a crease or two fingertips.
 const THROUGH: f64 = 0.004;
 /// Smallest share of the spots in contact for a gesture to count: a palm has about 1 %.
@@ -26,12 +29,23 @@ const POSES: usize = 10;
 /// People tried before another gesture is taken.
 const PEOPLE: usize = 4;
 
+/// Where a pose comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PoseSource {
+    /// Any angles within the limits of the joints.
+    Free,
+    /// A frame of a motion file, varied.
+    Motion,
+    /// A gesture with which the body touches itself.
+    Gesture,
+}
+
 /// A body drawn at random.
 pub struct RandomBody {
     /// Who.
     pub person: Person,
-    /// Doing what; with a gesture, the angles found for it.
-    pub pose: Pose,
+    /// Doing what: a turn for every bone.
+    pub turns: Vec<DQuat>,
     /// Touching itself on purpose, and how.
     pub gesture: Option<Gesture>,
     /// Vertices of the fine skin in metres, standing on y = 0.
@@ -43,40 +57,51 @@ pub struct RandomBody {
 }
 
 impl BodyModel {
-    /// The body of a seed: a fifth touch themselves on purpose. The same seed is always the same body.
+    /// The body of a seed: three in ten touch themselves on purpose. The same seed is always the same body.
     pub fn random_body(&self, template: &Template, seed: u64) -> Result<RandomBody, DataError> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let in_contact = happens(&mut rng, IN_CONTACT);
-        self.draw_body(template, in_contact, &mut rng)
+        // Another stream than the body's and the scan's.
+        let mut apart = ChaCha8Rng::seed_from_u64(seed);
+        apart.set_stream(2);
+        let source = match (in_contact, happens(&mut apart, ANCHORED)) {
+            (true, _) => PoseSource::Gesture,
+            (_, true) => PoseSource::Motion,
+            _ => PoseSource::Free,
+        };
+        self.draw_body(template, source, &mut rng)
     }
 
-    /// A body that touches itself on purpose, or one that need not.
+    /// A body whose pose comes from `source`.
     pub fn draw_body(
         &self,
         template: &Template,
-        in_contact: bool,
+        source: PoseSource,
         rng: &mut ChaCha8Rng,
     ) -> Result<RandomBody, DataError> {
         let mut tries = 0;
         let mut gesture = None;
         for people in 0.. {
             // Kept for some people, or easy gestures would crowd out the others.
-            if in_contact && people % PEOPLE == 0 {
+            if source == PoseSource::Gesture && people % PEOPLE == 0 {
                 gesture = Some(Gesture::random(rng));
             }
             let person = Person::random(rng);
             let rest = self.rest(&person)?;
             for _ in 0..POSES {
                 tries += 1;
-                let drawn = match gesture {
-                    Some(gesture) => self.gesture(template, &rest, gesture, rng),
-                    None => Some(Pose::random(rng)),
+                let drawn = match (source, gesture) {
+                    (_, Some(gesture)) => {
+                        self.gesture(template, &rest, gesture, rng).map(|pose| pose.turns(&rest.skeleton))
+                    }
+                    (PoseSource::Motion, _) => Some(random_turns(&rest.skeleton, rng)),
+                    _ => Some(Pose::random(rng).turns(&rest.skeleton)),
                 };
-                let Some(pose) = drawn else { continue };
-                let skin = self.posed(&rest, &pose.turns(&rest.skeleton)).skin;
+                let Some(turns) = drawn else { continue };
+                let skin = self.posed(&rest, &turns).skin;
                 let contact = template.reach.contact(&template.pick(&skin), &template.triangles);
                 if contact.through <= THROUGH && (gesture.is_none() || contact.touching >= TOUCHING) {
-                    return Ok(RandomBody { person, pose, gesture, skin, contact, tries });
+                    return Ok(RandomBody { person, turns, gesture, skin, contact, tries });
                 }
             }
         }
