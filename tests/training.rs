@@ -6,7 +6,9 @@ mod shapes;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use geose_fmap::train::pool::Pool;
+use geose_fmap::train::folds::{Fold, cross_validate};
+use geose_fmap::train::losses::LossWeights;
+use geose_fmap::train::pool::{Pool, SampleConfig};
 use geose_fmap::train::run::{RunConfig, train};
 use geose_fmap::train::sample::Sample;
 use geose_fmap::{Model, ModelConfig, Shape, Weights};
@@ -40,6 +42,11 @@ fn in_order(n: usize) -> Vec<u32> {
     (0..n as u32).collect()
 }
 
+/// Samples for it.
+fn samples() -> SampleConfig {
+    SampleConfig::of(&network(), 1500)
+}
+
 /// A folder of its own.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -52,10 +59,50 @@ fn folder(name: &str) -> PathBuf {
 fn pool(name: &str) -> Pool {
     let folder = folder(name);
     for (index, name) in ["woman-standing.ply", "man-lunging.ply"].iter().enumerate() {
-        let sample = Sample::new(scan(name, in_order), None, &network()).expect("a sample");
+        let sample = Sample::new(scan(name, in_order), None, &samples()).expect("a sample");
         sample.save(&folder.join(format!("{index:06}.sample"))).expect("saved");
     }
-    Pool::open(&folder, 2).expect("opened")
+    Pool::open(&folder, 2, &samples()).expect("opened")
+}
+
+#[test]
+fn a_folder_of_samples_is_not_used_for_others() {
+    let folder = folder("settings");
+    let open = |config: &SampleConfig| Pool::open(&folder, 2, config).map(|pool| pool.count);
+    assert_eq!(open(&samples()).ok(), Some(2));
+    assert_eq!(open(&samples()).ok(), Some(2));
+    let error = open(&SampleConfig { points: 900, ..samples() }).expect_err("other settings");
+    assert!(error.to_string().contains("name another folder"), "{error}");
+}
+
+#[test]
+fn folds_leave_bodies_out_and_are_scored_once() {
+    let pool = pool("folds");
+    let folder = folder("folds-out");
+    let run = |rate: f32| RunConfig { steps: 40, maps_from: 20, rate, ..RunConfig::default() };
+    // At a rate of zero nothing is learned.
+    let candidates = [run(0.0), run(5e-3)];
+    assert_eq!(cross_validate(&network(), &candidates, 2, &pool, &folder).expect("trained"), Some(1));
+    let table = fs::read_to_string(folder.join("folds.csv")).expect("written");
+    assert_eq!(table.lines().count(), 3, "{table}");
+    let trained = folder.join("candidate-1-fold-0/weights.safetensors");
+    let first = fs::metadata(&trained).and_then(|m| m.modified()).expect("there");
+    assert_eq!(cross_validate(&network(), &candidates, 2, &pool, &folder).expect("read"), Some(1));
+    assert_eq!(fs::metadata(&trained).and_then(|m| m.modified()).expect("there"), first);
+    assert_eq!(fs::read_to_string(folder.join("folds.csv")).expect("written"), table);
+
+    let fold = Fold { of: 5, held: 2 };
+    assert_eq!((0..12).filter(|&index| fold.holds(index)).collect::<Vec<_>>(), [2, 7]);
+}
+
+#[test]
+fn a_budget_in_minutes_ends_a_run() {
+    let pool = pool("budget");
+    let folder = folder("budget-out");
+    let losses = LossWeights { coupling: 0.0, ..LossWeights::default() };
+    let run = RunConfig { minutes: Some(0.02), steps: 1_000_000, losses, ..RunConfig::default() };
+    assert!(train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained"));
+    assert!(folder.join("weights.safetensors").exists());
 }
 
 /// Labels are all that says what a point is: in another order of the points the same numbers come in that order, so that no place in a list and no
@@ -63,8 +110,8 @@ fn pool(name: &str) -> Pool {
 #[test]
 fn the_loader_knows_parts_and_no_vertices() {
     let shuffled = |n: usize| Random(5).permutation(n);
-    let plain = Sample::new(scan("man-lunging.ply", in_order), None, &network()).expect("a sample");
-    let mixed = Sample::new(scan("man-lunging.ply", shuffled), None, &network()).expect("a sample");
+    let plain = Sample::new(scan("man-lunging.ply", in_order), None, &samples()).expect("a sample");
+    let mixed = Sample::new(scan("man-lunging.ply", shuffled), None, &samples()).expect("a sample");
     let order: Vec<usize> = shuffled(plain.labels.len()).iter().map(|&i| i as usize).collect();
     assert_eq!(mixed.labels, order.iter().map(|&i| plain.labels[i]).collect::<Vec<_>>());
     assert!(plain.labels.iter().all(|&label| label < 14));
@@ -87,7 +134,7 @@ fn the_loader_knows_parts_and_no_vertices() {
 #[test]
 fn a_sample_comes_back_from_its_file_in_half_precision() {
     let folder = folder("sample");
-    let sample = Sample::new(scan("woman-standing.ply", in_order), None, &network()).expect("a sample");
+    let sample = Sample::new(scan("woman-standing.ply", in_order), None, &samples()).expect("a sample");
     let path = folder.join("one.sample");
     sample.save(&path).expect("saved");
     let again = Sample::load(&path).expect("loaded");

@@ -12,9 +12,11 @@ use std::{fs, thread};
 
 use clap::Parser;
 use geose_fmap::train::bodies::BodyModel;
-use geose_fmap::train::pool::{Maker, Pool};
+use geose_fmap::train::folds::cross_validate;
+use geose_fmap::train::losses::LossWeights;
+use geose_fmap::train::pool::{Maker, Pool, SampleConfig};
 use geose_fmap::train::run::{RunConfig, train};
-use geose_fmap::{ModelConfig, Weights};
+use geose_fmap::{LaplacianKind, ModelConfig, Weights};
 
 #[derive(Parser)]
 #[command(about = "Trains the network on synthetic bodies")]
@@ -49,6 +51,15 @@ struct Arguments {
     /// Weights to start from.
     #[arg(long)]
     start: Option<PathBuf>,
+    /// The operator of every cloud, for comparisons: geodesic, geodesic-literal or euclidean. By default that of matching on most, others on some.
+    #[arg(long)]
+    laplacian: Option<LaplacianKind>,
+    /// Cross-validates the losses of `--candidates` instead, in so many folds of the bodies.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
+    folds: Option<u32>,
+    /// A JSON list of objects with fields of the losses that differ, one for each candidate of `--folds`.
+    #[arg(long, default_value = r#"[{}, {"semantic": 0}, {"semantic": 1}, {"orthogonality": 0.5}, {"coupling": 2}]"#)]
+    candidates: String,
     /// Stop after so many minutes; the same command goes on.
     #[arg(long, default_value_t = f64::INFINITY)]
     minutes: f64,
@@ -85,6 +96,16 @@ fn changed<T: serde::Serialize + serde::de::DeserializeOwned>(base: &T, changes:
     serde_json::from_value(value)
 }
 
+/// A run for each object of the JSON list `changes`.
+fn candidates(base: &RunConfig, changes: &str) -> Result<Vec<RunConfig>, Box<dyn std::error::Error>> {
+    let changes: Vec<serde_json::Value> = serde_json::from_str(changes)?;
+    let candidate = |change: serde_json::Value| -> Result<RunConfig, Box<dyn std::error::Error>> {
+        let losses: LossWeights = changed(&base.losses, &change.to_string())?;
+        Ok(RunConfig { losses, ..base.clone() })
+    };
+    changes.into_iter().map(candidate).collect()
+}
+
 fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     let (network, run) = match arguments.paper {
         true => (ModelConfig::paper(), RunConfig::paper()),
@@ -93,17 +114,26 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);
     let start = arguments.start.as_ref().map(fs::read).transpose()?;
     let start = start.map(|bytes| Weights::from_bytes(&bytes)).transpose()?;
-    let pool = Pool::open(&arguments.samples, arguments.bodies)?;
+    let samples = SampleConfig { laplacian: arguments.laplacian, ..SampleConfig::of(&network, arguments.points) };
+    let pool = Pool::open(&arguments.samples, arguments.bodies, &samples)?;
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let model = BodyModel::load(&arguments.data)?;
     let template = model.template(5000)?;
-    let maker = Maker { model: &model, template: &template, config: &network, points: arguments.points };
+    let maker = Maker { model: &model, template: &template, config: &samples };
     thread::scope(|scope| {
         for _ in 0..arguments.makers {
             scope.spawn(|| pool.fill(&maker, &next, &stop));
         }
-        let done = train(&network, &run, &pool, &arguments.out, start.as_ref(), 60.0 * arguments.minutes);
+        let seconds = 60.0 * arguments.minutes;
+        let done = match arguments.folds {
+            None => train(&network, &run, &pool, &arguments.out, start.as_ref(), seconds).map_err(Into::into),
+            Some(folds) => candidates(&run, &arguments.candidates).and_then(|candidates| {
+                let best = cross_validate(&network, &candidates, folds as usize, &pool, &arguments.out)?;
+                best.iter().for_each(|best| println!("best: {}", serde_json::json!(candidates[*best].losses)));
+                Ok(true)
+            }),
+        };
         stop.store(true, Ordering::Relaxed);
-        Ok(done?)
+        done
     })
 }

@@ -2,6 +2,7 @@
 
 pub mod bodies;
 pub mod device;
+pub mod folds;
 pub mod losses;
 pub mod parameters;
 pub mod pool;

@@ -8,12 +8,13 @@ use std::{fs, io};
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 use super::bodies::held_out::HELD_OUT_SEEDS;
 use super::bodies::scan::ScanOptions;
 use super::bodies::{BodyModel, Template};
 use super::sample::Sample;
-use crate::model::ModelConfig;
+use crate::model::{ModelConfig, Position};
 use crate::operators::LaplacianKind;
 
 /// A folder of samples, `count` of them, being filled from the front.
@@ -23,22 +24,49 @@ pub struct Pool {
     pub count: usize,
 }
 
+/// What decides how the body of a seed becomes a sample. A folder of samples remembers it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SampleConfig {
+    /// Points of a scan, give or take a quarter.
+    pub points: usize,
+    /// Eigenpairs that the network asks for.
+    pub eigenpairs: usize,
+    /// How positions enter.
+    pub position: Position,
+    /// The operator of every cloud; by default that of matching on most, others on some.
+    pub laplacian: Option<LaplacianKind>,
+}
+
+impl SampleConfig {
+    /// For a network, with the operators that ship.
+    pub fn of(network: &ModelConfig, points: usize) -> Self {
+        Self { points, eigenpairs: network.eigenpairs, position: network.position, laplacian: None }
+    }
+}
+
 /// What samples are made from.
 pub struct Maker<'a> {
     /// The generator.
     pub model: &'a BodyModel,
     /// Its mesh.
     pub template: &'a Template,
-    /// Sizes that the network asks for.
-    pub config: &'a ModelConfig,
-    /// Points of a scan.
-    pub points: usize,
+    /// How.
+    pub config: &'a SampleConfig,
 }
 
 impl Pool {
-    /// In `folder`, which is made where it is missing.
-    pub fn open(folder: &Path, count: usize) -> io::Result<Self> {
+    /// In `folder`, which is made where it is missing. A folder of samples that were made otherwise is refused.
+    pub fn open(folder: &Path, count: usize, config: &SampleConfig) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
+        let file = folder.join("samples.json");
+        match fs::read(&file) {
+            Ok(bytes) if serde_json::from_slice::<SampleConfig>(&bytes).is_ok_and(|made| made == *config) => {}
+            Ok(_) => {
+                let message = format!("{} has samples of other settings: name another folder", folder.display());
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+            }
+            Err(_) => fs::write(file, serde_json::to_vec_pretty(config)?)?,
+        }
         Ok(Self { folder: folder.to_owned(), count })
     }
 
@@ -95,11 +123,12 @@ impl Maker<'_> {
         // Another stream than the one the scan is drawn from.
         rng.set_stream(1);
         // Different numbers of points, independently for the two shapes of a pair.
-        let points = (self.points as f64 * (0.75 + 0.5 * rng.random::<f64>())) as usize;
+        let points = (self.config.points as f64 * (0.75 + 0.5 * rng.random::<f64>())) as usize;
         let options = ScanOptions { points, ..ScanOptions::default() };
         let (scan, _) = self.model.scan(self.template, seed, &options).map_err(|error| error.to_string())?;
         let kind = match rng.random::<f64>() {
             _ if !scan.shape.faces().is_empty() => None,
+            _ if self.config.laplacian.is_some() => self.config.laplacian,
             x if x < 0.12 => Some(LaplacianKind::Euclidean),
             x if x < 0.2 => Some(LaplacianKind::GeodesicLiteral),
             _ => None,

@@ -1,4 +1,6 @@
 //! The training loop: one run, resumable at any step.
+//!
+//! A budget in minutes (`RunConfig::minutes`) is for comparisons at equal cost; what such a run learns depends on the machine, and it is not resumed.
 
 use std::fs;
 use std::io::{self, Write};
@@ -9,6 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use super::folds::Fold;
 use super::losses::LossWeights;
 use super::parameters::Parameters;
 use super::pool::Pool;
@@ -25,6 +28,10 @@ pub struct RunConfig {
     pub version: String,
     /// Steps in all.
     pub steps: usize,
+    /// Ends after so many minutes instead, the rate falling with the clock.
+    pub minutes: Option<f64>,
+    /// Bodies left out, to be validated on.
+    pub fold: Option<Fold>,
     /// Pairs a step.
     pub batch: usize,
     /// Learning rate at its highest.
@@ -60,7 +67,9 @@ impl Default for RunConfig {
         Self {
             name: "bodies".to_owned(),
             version: "1".to_owned(),
-            steps: 12_000,
+            steps: 20_000,
+            minutes: None,
+            fold: None,
             batch: 1,
             rate: 2e-3,
             schedule: Schedule::Cosine,
@@ -91,8 +100,8 @@ impl RunConfig {
         }
     }
 
-    fn rate_at(&self, step: usize) -> f32 {
-        let done = step as f32 / self.steps.max(1) as f32;
+    /// The rate of a step, when a share `done` of the run is over.
+    fn rate_at(&self, step: usize, done: f32) -> f32 {
         let rise = if step < self.warm_up { (step + 1) as f32 / self.warm_up as f32 } else { 1.0 };
         let fall = match self.schedule {
             Schedule::Cosine => 0.5 + 0.5 * (std::f32::consts::PI * done.min(1.0)).cos(),
@@ -163,14 +172,19 @@ pub fn train(
     let mut log = Log::open(&folder.join("log.csv"))?;
     let mut not_finite = 0;
     let mut step = parameters.steps;
-    while step < run.steps {
+    let budget = run.minutes.map(|minutes| 60.0 * minutes);
+    loop {
+        let clock = began.elapsed().as_secs_f64();
+        let done = budget.map_or(step as f64 / run.steps.max(1) as f64, |budget| clock / budget);
+        if done >= 1.0 {
+            break;
+        }
         let mut rng = ChaCha8Rng::seed_from_u64(run.seed);
         rng.set_stream(1 + step as u64);
         let bodies = pool.count.min(FIRST_BODIES + step / STEPS_PER_BODY);
         let mut total = None;
         for _ in 0..run.batch {
-            let (a, b) = (rng.random_range(0..bodies), rng.random_range(0..bodies));
-            let pair = [&pool.get(a)?, &pool.get(b)?];
+            let pair = [&pool.get(drawn(bodies, run.fold, &mut rng))?, &pool.get(drawn(bodies, run.fold, &mut rng))?];
             let forward = Forward::new(&network, pair, &mut rng)?;
             let terms = forward.losses(&run.losses, step >= run.maps_from)?;
             for (name, weight, term) in terms {
@@ -186,7 +200,7 @@ pub fn train(
                 log.add("same part", forward.same_part(pair)?);
             }
         }
-        let rate = run.rate_at(step);
+        let rate = run.rate_at(step, done as f32);
         if let Some(total) = total {
             let length = parameters.step(&total.backward()?, rate, run.decay, run.clip)?;
             not_finite = if length.is_finite() { 0 } else { not_finite + 1 };
@@ -200,8 +214,8 @@ pub fn train(
         if step % LOG == 0 {
             log.write(step, rate, began.elapsed().as_secs_f64())?;
         }
-        let over = began.elapsed().as_secs_f64() > seconds;
-        if step % CHECKPOINT == 0 || step == run.steps || over {
+        let over = clock > seconds;
+        if step % CHECKPOINT == 0 || over {
             save(&state, &parameters.weights(config, true).to_bytes(false)?)?;
             finished(&parameters, config, run, folder)?;
         }
@@ -209,8 +223,19 @@ pub fn train(
             return Ok(step == run.steps);
         }
     }
+    save(&state, &parameters.weights(config, true).to_bytes(false)?)?;
     finished(&parameters, config, run, folder)?;
     Ok(true)
+}
+
+/// One of the first `bodies`, but none of those left out.
+fn drawn(bodies: usize, fold: Option<Fold>, rng: &mut ChaCha8Rng) -> usize {
+    loop {
+        let index = rng.random_range(0..bodies);
+        if fold.is_none_or(|fold| !fold.holds(index)) {
+            return index;
+        }
+    }
 }
 
 /// Writes the weights as they ship.

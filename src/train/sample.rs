@@ -8,9 +8,9 @@ use half::f16;
 use ndarray::Array2;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
+use super::pool::SampleConfig;
 use crate::error::Error;
 use crate::features::ShapeInputs;
-use crate::model::ModelConfig;
 use crate::operators::LaplacianKind;
 use crate::options::PrepareOptions;
 use crate::pipeline::prepare_with_shape;
@@ -28,7 +28,7 @@ pub struct Sample {
 
 impl Sample {
     /// Builds the operators that a scan with given labels would get. Points without surface keep no label, and so are left out.
-    pub fn new(shape: Shape, kind: Option<LaplacianKind>, config: &ModelConfig) -> Result<Self, Error> {
+    pub fn new(shape: Shape, kind: Option<LaplacianKind>, config: &SampleConfig) -> Result<Self, Error> {
         let options = PrepareOptions {
             laplacian: kind,
             eigenpairs: config.eigenpairs,

@@ -1,0 +1,97 @@
+//! Loss weights chosen by cross-validation (paper Sec. 4.1: five folds), over the generator's subjects: every body is another person.
+//!
+//! A run is scored by what labels can tell, as they are all the supervision there is: the share of points that the functional map, without refinement, sends
+//! to a point of their own part.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use candle_core::Tensor;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+use super::parameters::Parameters;
+use super::pool::Pool;
+use super::run::{RunConfig, RunError, train};
+use super::step::Forward;
+use crate::model::{ModelConfig, Network, Weights};
+
+/// A part of the bodies: every `of`-th from `held` on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fold {
+    /// How many folds there are, from 2.
+    pub of: usize,
+    /// Which one this is, from 0.
+    pub held: usize,
+}
+
+impl Fold {
+    /// Whether body `index` is in it.
+    pub fn holds(&self, index: usize) -> bool {
+        index % self.of == self.held
+    }
+}
+
+/// Pairs that a run is scored on.
+const PAIRS: usize = 60;
+
+/// Trains every candidate once for each of `folds` folds, in folders of `folder`, and writes `folds.csv` there: a line per candidate with its scores.
+/// Returns the index of the best by mean score. What an earlier call scored is not trained again.
+pub fn cross_validate(
+    config: &ModelConfig,
+    candidates: &[RunConfig],
+    folds: usize,
+    pool: &Pool,
+    folder: &Path,
+) -> Result<Option<usize>, RunError> {
+    let mut means = Vec::new();
+    fs::create_dir_all(folder)?;
+    let mut table = fs::File::create(folder.join("folds.csv"))?;
+    let heads: Vec<String> = (0..folds).map(|fold| format!("fold {fold}")).collect();
+    writeln!(table, "candidate,mean,{},losses", heads.join(","))?;
+    for (i, candidate) in candidates.iter().enumerate() {
+        let mut scores = Vec::new();
+        for held in 0..folds {
+            let fold = Fold { of: folds, held };
+            let run = RunConfig { fold: Some(fold), ..candidate.clone() };
+            let place = folder.join(format!("candidate-{i}-fold-{held}"));
+            let scored = place.join("score");
+            let score = match fs::read_to_string(&scored).ok().and_then(|text| text.trim().parse::<f64>().ok()) {
+                Some(score) => score,
+                None => {
+                    train(config, &run, pool, &place, None, f64::INFINITY)?;
+                    let weights = Weights::from_bytes(&fs::read(place.join("weights.safetensors"))?)?;
+                    let score = score(&weights, pool, fold)?;
+                    fs::write(&scored, score.to_string())?;
+                    score
+                }
+            };
+            scores.push(score);
+        }
+        let mean = scores.iter().sum::<f64>() / folds.max(1) as f64;
+        let each: Vec<String> = scores.iter().map(|score| format!("{score:.4}")).collect();
+        let losses = serde_json::to_string(&candidate.losses).unwrap_or_default().replace('"', "'");
+        writeln!(table, "{i},{mean:.4},{},\"{losses}\"", each.join(","))?;
+        println!("candidate {i}: {:.2} % of points keep their part ({})", 100.0 * mean, each.join(", "));
+        means.push(mean);
+    }
+    Ok((0..means.len()).max_by(|&i, &j| means[i].total_cmp(&means[j])))
+}
+
+/// Mean share of points of one part, over pairs of bodies of the fold.
+fn score(weights: &Weights, pool: &Pool, fold: Fold) -> Result<f64, RunError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(fold.held as u64);
+    let mut parameters = Parameters::from_weights(weights, rng.clone());
+    let network: Network<Tensor> = Network::new(&weights.config, &mut parameters)?;
+    let held: Vec<usize> = (0..pool.count).filter(|&index| fold.holds(index)).collect();
+    let mut sum = 0.0;
+    for _ in 0..PAIRS {
+        let [a, b] = [0; 2].map(|_| held[rng.random_range(0..held.len())]);
+        let pair = [&pool.get(a)?, &pool.get(b)?];
+        sum += Forward::new(&network, pair, &mut rng)?.same_part(pair)?;
+    }
+    Ok(sum / PAIRS as f64)
+}
