@@ -5,6 +5,7 @@
 mod cpu;
 
 pub use cpu::Cpu;
+pub(crate) use cpu::solve_rows_wide;
 #[cfg(feature = "train")]
 pub(crate) use cpu::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, solve_rows, tanh};
 use ndarray::{Array2, ArrayView2};

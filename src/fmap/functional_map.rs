@@ -4,6 +4,8 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use ndarray::{Array2, ArrayView1, ArrayView2};
 
+use crate::device::{Device, solve_rows_wide};
+
 /// C_ab: coefficients on A → coefficients on B. Shape (k_b, k_a).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FunctionalMap {
@@ -11,11 +13,11 @@ pub struct FunctionalMap {
     pub matrix: Array2<f64>,
 }
 
-/// Weight of the resolvent mask against the data, whose Gram matrix has mean diagonal 1.
-const MASK_WEIGHT: f64 = 1.0;
+/// Keeps directions that no descriptor sees and the mask allows at zero.
+const RIDGE: f64 = 1e-9;
 
 impl FunctionalMap {
-    /// C_ab from descriptors: min ‖C G_a − G_b‖² + Σ mask_ij C_ij².
+    /// C_ab from descriptors: min ‖C G_a − G_b‖² + Σ mask_ij C_ij², the descriptors scaled so that the Gram matrix has mean diagonal 1.
     ///
     /// `g_a` (k_a, c) and `g_b` (k_b, c) are the same descriptors projected on each basis, `lambda_a` and `lambda_b` the eigenvalues at unit area.
     /// The paper solves without a mask, which lets the map couple frequencies that no near-isometry couples; the mask is the
@@ -27,27 +29,26 @@ impl FunctionalMap {
         lambda_a: ArrayView1<f64>,
         lambda_b: ArrayView1<f64>,
     ) -> Self {
-        let (k_a, k_b) = (g_a.nrows(), g_b.nrows());
         let gram = g_a.dot(&g_a.t());
-        let scale = gram.diag().sum() / k_a as f64;
+        let scale = gram.diag().sum() / g_a.nrows() as f64;
         let scale = if scale > 0.0 { scale } else { 1.0 };
         let right = g_b.dot(&g_a.t());
         let mask = resolvent_mask(lambda_a, lambda_b);
-        let mut matrix = Array2::zeros((k_b, k_a));
-        for i in 0..k_b {
-            let system = Mat::from_fn(k_a, k_a, |p, q| {
-                // 1e-9 keeps directions that no descriptor sees and the mask allows at zero.
-                let own = if p == q { MASK_WEIGHT * mask[(i, p)] + 1e-9 } else { 0.0 };
-                gram[(p, q)] / scale + own
-            });
-            let rhs = Mat::from_fn(k_a, 1, |p, _| right[(i, p)] / scale);
-            if let Ok(cholesky) = system.llt(Side::Lower) {
-                let row = cholesky.solve(&rhs);
-                (0..k_a).for_each(|p| matrix[(i, p)] = row[(p, 0)]);
-            }
-        }
-        Self { matrix }
+        Self { matrix: solve_rows_wide((gram / scale).view(), (right / scale).view(), mask.view(), RIDGE) }
     }
+}
+
+/// C_ab and C_ba on a device, from descriptors `g` projected on the bases of A and B (k, c) that come from features of unit length at unit area: their Gram
+/// matrix has trace 1, or a little less, so that k times it has mean diagonal 1. `lambda` are the eigenvalues by Weyl's law, λ_j ≈ 4πj. The same in training
+/// and in matching.
+pub fn functional_maps<D: Device>(device: &D, [g_a, g_b]: [&D::Tensor; 2], lambda: [&[f64]; 2]) -> [D::Tensor; 2] {
+    let solve = |from: &D::Tensor, to: &D::Tensor, lambda_from: &[f64], lambda_to: &[f64]| {
+        let scaled = device.concat(&[(from, lambda_from.len() as f32)]);
+        let mask = resolvent_mask(ArrayView1::from(lambda_from), ArrayView1::from(lambda_to));
+        let mask = device.upload(mask.mapv(|v| v as f32).view());
+        device.solve_rows(&device.matmul_nt(from, &scaled), &device.matmul_nt(to, &scaled), &mask)
+    };
+    [solve(g_a, g_b, lambda[0], lambda[1]), solve(g_b, g_a, lambda[1], lambda[0])]
 }
 
 /// Distance between the resolvents of two operators, entry by entry: small near the (slanted) diagonal. Shape (k_b, k_a).

@@ -2,9 +2,11 @@
 
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis, concatenate, s};
 
+use super::Matchable;
+use super::functional_map::{FunctionalMap, functional_maps};
 use super::refine::MapPair;
-use super::{FunctionalMap, Matchable};
 use crate::device::Device;
+use crate::features::weyl_factor;
 use crate::model::{Model, Network, PointEmbedding};
 
 /// Basis size of the first maps, as in training.
@@ -66,19 +68,20 @@ pub async fn learned_maps<D: Device>(
         network.compare(device, (&own.0, &own.1), (&other.0, &other.1))
     });
     let k = FIRST.min(a.basis.k()).min(b.basis.k());
-    let mut coefficients = Vec::new();
-    for (m, features) in [&*a, &*b].into_iter().zip(&compared) {
+    let projected = [(&*a, &compared[0]), (&*b, &compared[1])].map(|(m, features)| {
         let projector = m.basis.eigenvectors.slice(s![.., ..k]).to_owned() * m.basis.mass.view().insert_axis(Axis(1));
-        let projected = device.matmul_tn(&device.upload(projector.mapv(|v| v as f32).view()), features);
-        coefficients.push(device.download(&projected).await.mapv(f64::from));
-    }
-    let (lambda_a, lambda_b) = (a.basis.eigenvalues.slice(s![..k]), b.basis.eigenvalues.slice(s![..k]));
-    let solve = |g_a: ArrayView2<f64>, g_b: ArrayView2<f64>| MapPair {
-        c_ab: FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b).matrix,
-        c_ba: FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a).matrix,
-    };
+        device.matmul_tn(&device.upload(projector.mapv(|v| v as f32).view()), features)
+    });
+    let lambda = [&*a, &*b].map(|m| {
+        let weyl = weyl_factor(&m.basis);
+        m.basis.eigenvalues.iter().take(k).map(|l| l / weyl).collect::<Vec<f64>>()
+    });
+    let [c_ab, c_ba] = functional_maps(device, [&projected[0], &projected[1]], [&lambda[0], &lambda[1]]);
     // Judged by what the network says alone: what a user knows says nothing about it.
-    let maps = solve(coefficients[0].view(), coefficients[1].view());
+    let maps = MapPair {
+        c_ab: device.download(&c_ab).await.mapv(f64::from),
+        c_ba: device.download(&c_ba).await.mapv(f64::from),
+    };
     let off = |there_and_back: Array2<f64>| (there_and_back - Array2::<f64>::eye(k)).iter().map(|v| v * v).sum::<f64>();
     let familiarity = Familiarity {
         bijectivity: (off(maps.c_ab.dot(&maps.c_ba)) + off(maps.c_ba.dot(&maps.c_ab))) / (2 * k) as f64,
@@ -86,8 +89,17 @@ pub async fn learned_maps<D: Device>(
     };
     let maps = match known {
         Some((known_a, known_b)) => {
-            let joined = |g: &Array2<f64>, known: ArrayView2<f64>| concatenate![Axis(1), *g, known.slice(s![..k, ..])];
-            solve(joined(&coefficients[0], known_a).view(), joined(&coefficients[1], known_b).view())
+            let mut joined = Vec::new();
+            for (learned, known) in projected.iter().zip([known_a, known_b]) {
+                let learned = device.download(learned).await.mapv(f64::from);
+                joined.push(concatenate![Axis(1), learned, known.slice(s![..k, ..])]);
+            }
+            let [g_a, g_b] = [joined[0].view(), joined[1].view()];
+            let [lambda_a, lambda_b] = [ArrayView1::from(&lambda[0]), ArrayView1::from(&lambda[1])];
+            MapPair {
+                c_ab: FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b).matrix,
+                c_ba: FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a).matrix,
+            }
         }
         None => maps,
     };

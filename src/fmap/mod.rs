@@ -23,7 +23,7 @@ pub use correspondence::{Correspondence, UNMATCHED};
 pub use embedding::Matchable;
 pub use functional_map::FunctionalMap;
 #[cfg(feature = "train")]
-pub use functional_map::resolvent_mask;
+pub use functional_map::functional_maps;
 pub use initial::initial_maps;
 pub use landmarks::{landmark_functions, part_functions};
 pub use learned::{Familiarity, learned_maps};

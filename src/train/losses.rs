@@ -4,11 +4,10 @@
 //! [`LossWeights`] says how much each counts.
 
 use candle_core::{D, Result, Tensor};
-use ndarray::{Array2, ArrayView1, ArrayView2};
+use ndarray::{Array2, ArrayView2};
 
 use super::device::{Autodiff, tensor};
 use crate::device::Device;
-use crate::fmap::resolvent_mask;
 
 /// How much each loss counts.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -147,16 +146,7 @@ pub fn losses(weights: &LossWeights, a: &Side, b: &Side, maps: bool) -> Result<T
 /// C_ab and C_ba from the features (paper Sec. 3.3, with the resolvent mask).
 pub fn functional_maps(a: &Side, b: &Side) -> Result<[Tensor; 2]> {
     let project = |side: &Side| side.projector.t()?.matmul(side.features);
-    let (g_a, g_b) = (project(a)?, project(b)?);
-    let solve = |from: &Tensor, to: &Tensor, lambda_from: &[f64], lambda_to: &[f64]| -> Result<Tensor> {
-        // Features of unit length on unit area: the Gram matrix has trace 1 at most, so this makes its mean diagonal about 1.
-        let scale = lambda_from.len() as f64;
-        let gram = from.matmul(&from.t()?)?.affine(scale, 0.0)?;
-        let right = to.matmul(&from.t()?)?.affine(scale, 0.0)?;
-        let mask = resolvent_mask(ArrayView1::from(lambda_from), ArrayView1::from(lambda_to));
-        Ok(Autodiff.solve_rows(&gram, &right, &tensor(mask.mapv(|v| v as f32).view())))
-    };
-    Ok([solve(&g_a, &g_b, a.lambda, b.lambda)?, solve(&g_b, &g_a, b.lambda, a.lambda)?])
+    Ok(crate::fmap::functional_maps(&Autodiff, [&project(a)?, &project(b)?], [a.lambda, b.lambda]))
 }
 
 /// Mean of −ln p at the right part.
