@@ -72,6 +72,7 @@ export function tables(measured) {
     .map(({ set, mode, parts, found }) => [
       ...[set, mode, parts, found.pairs, number(found.age, 2), number(found.age_raw, 2), ...accuracies(found)],
       ...[found.flips ?? '–', share(found.flipped_points), number(found.part_miou, 3), share(found.part_agreement)],
+      ...[number(found.confidence_auc, 3), number(found.ece, 3)],
       ...[number(found.seconds_per_shape, 2), number(found.seconds_per_pair, 2)],
     ]);
   const oracles = measured
@@ -79,7 +80,7 @@ export function tables(measured) {
     .map(({ set, mode, laplacian, found }) => [set, mode, laplacian, found.pairs, number(found.age, 2), ...accuracies(found)]);
   const head = ['set', 'mode', 'parts', 'pairs', 'error', 'before refinement', ...within];
   return [
-    markdown([...head, 'flips', 'flipped points', 'part mIoU', 'part agreement', 's/shape', 's/pair'], matches),
+    markdown([...head, 'flips', 'flipped points', 'part mIoU', 'part agreement', 'confidence AUC', 'ECE', 's/shape', 's/pair'], matches),
     markdown(['set', 'mode', 'Laplacian', 'pairs', 'error', ...within], oracles),
   ];
 }

@@ -8,8 +8,8 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::features::{ShapeInputs, wave_kernel_signature};
 use crate::fmap::{
-    COARSE, Correspondence, Familiarity, FunctionalMap, Matchable, Refinement, initial_maps, landmark_functions,
-    learned_maps, lift, part_functions, refine, stretch,
+    COARSE, Correspondence, Cues, Familiarity, FunctionalMap, Matchable, Refined, Refinement, initial_maps,
+    landmark_functions, learned_maps, lift, part_functions, refine, strain, stretch,
 };
 use crate::graph::components;
 use crate::model::{Model, PointEmbedding};
@@ -202,6 +202,18 @@ pub async fn match_with<D: Device>(
     options: &MatchOptions,
     progress: &mut Progress<'_>,
 ) -> Result<Match, Error> {
+    match_with_cues(model, device, a, b, options, progress).await.map(|(matched, _)| matched)
+}
+
+/// [`match_with`], and what confidence was judged by, from A to B and back, at the points used.
+pub(crate) async fn match_with_cues<D: Device>(
+    model: &Model,
+    device: &D,
+    a: &PreparedShape,
+    b: &PreparedShape,
+    options: &MatchOptions,
+    progress: &mut Progress<'_>,
+) -> Result<(Match, [Cues; 2]), Error> {
     progress.at(Stage::FunctionalMap, 0.0)?;
     let parts = match options.parts {
         Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
@@ -216,43 +228,54 @@ pub async fn match_with<D: Device>(
     ];
     let known = side_by_side(known.into_iter().flatten());
     let known = known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
-    let mut weights = serde_json::Value::Null;
+    let without = [&side_a, &side_b].map(|side| Matchable { extra: None, parts: None, ..side.clone() });
+    let mut candidates = Vec::new();
     let mut familiarity = None;
-    let learned = match (&a.embedding, &b.embedding) {
-        (Some(of_a), Some(of_b))
-            if [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.features) =>
-        {
-            let soft = masks(options.parts, of_a, of_b, parts);
-            let sides = [(&mut side_a, of_a), (&mut side_b, of_b)];
-            let (maps, at_home) = learned_maps(device, model, sides, soft, known).await;
-            familiarity = Some(at_home);
-            Some(maps).filter(|_| !at_home.is_of_others())
-        }
-        _ => None,
-    };
-    let first = match learned {
-        Some(maps) => {
-            weights = model.weights().named();
-            maps
-        }
-        None => {
-            (side_a.extra, side_b.extra) = (None, None);
-            initial_maps(device, &side_a, &side_b, known, parts).await
-        }
-    };
+    if let (Some(of_a), Some(of_b)) = (&a.embedding, &b.embedding)
+        && [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.features)
+    {
+        let soft = masks(options.parts, of_a, of_b, parts);
+        let sides = [(&mut side_a, of_a), (&mut side_b, of_b)];
+        let (maps, at_home) = learned_maps(device, model, sides, soft, known).await;
+        familiarity = Some(at_home);
+        candidates.push(([side_a, side_b], maps, model.weights().named()));
+    }
+    if familiarity.is_none_or(|at_home| at_home.is_of_others()) {
+        let maps = initial_maps(device, &without[0], &without[1], known, parts).await;
+        candidates.push((without, maps, serde_json::Value::Null));
+    }
 
+    // Whatever made it, a map between two poses of one body keeps lengths.
+    let mut best: Option<(f64, Refined, usize)> = None;
+    for (index, ([side_a, side_b], maps, _)) in candidates.iter().enumerate() {
+        let (pair, first) = ((side_a, side_b), maps.clone());
+        let refined = if index + 1 == candidates.len() {
+            refine(device, pair, first, parts, options.refine, progress).await?
+        } else {
+            // For who listens no stage comes twice.
+            let mut within = Progress::new(|_, _| progress.at(Stage::Refine, 0.0).is_ok());
+            let refined = refine(device, pair, first, parts, options.refine, &mut within).await;
+            refined.map_err(|_| Cancelled { stage: Stage::Refine })?
+        };
+        let strain = strain(side_a, side_b, &refined.a_to_b) + strain(side_b, side_a, &refined.b_to_a);
+        if best.as_ref().is_none_or(|(least, ..)| strain < *least) {
+            best = Some((strain, refined, index));
+        }
+    }
+    let (_, Refined { a_to_b, b_to_a, maps, cues }, index) =
+        best.expect("a pair without the network's map has the other");
+    let ([side_a, side_b], first, weights) = candidates.swap_remove(index);
     let raw = match options.raw {
         true => {
-            let (sides, maps) = ((&side_a, &side_b), first.clone());
-            let (raw, ..) = refine(device, sides, maps, parts, Refinement::None, progress).await?;
+            let mut unheard = Progress::silent();
+            let raw = refine(device, (&side_a, &side_b), first, parts, Refinement::None, &mut unheard).await?.a_to_b;
             Some(lift(&raw, a, b, labels))
         }
         false => None,
     };
-    let (a_to_b, b_to_a, maps) = refine(device, (&side_a, &side_b), first, parts, options.refine, progress).await?;
     let untrained = familiarity.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
-    warnings.extend(familiarity.and_then(verdict));
+    warnings.extend(familiarity.and_then(|at_home| verdict(at_home, weights.is_null())));
     warnings.extend(doubts(stretch(&side_a, &side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) =
         (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
@@ -262,7 +285,7 @@ pub async fn match_with<D: Device>(
     }
     progress.at(Stage::Correspondence, 1.0)?;
 
-    Ok(Match {
+    let matched = Match {
         a_to_b,
         b_to_a,
         raw,
@@ -272,7 +295,8 @@ pub async fn match_with<D: Device>(
         points_used: [side_a.len(), side_b.len()],
         warnings,
         weights,
-    })
+    };
+    Ok((matched, cues))
 }
 
 /// Probabilities of parts (p, c) on both sides that attention masks with: predicted, given labels as ones and noughts, or one part for all.
@@ -422,24 +446,24 @@ fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
     warnings
 }
 
-/// What it means when the pair is unlike those the network was trained on.
-fn verdict(familiarity: Familiarity) -> Option<String> {
-    let asked = match (familiarity.is_of_others(), familiarity.is_strange()) {
+/// What it means when the pair is unlike those the network was trained on; `without` says that another map than the network's was taken.
+fn verdict(familiarity: Familiarity, without: bool) -> Option<String> {
+    let unsure = match (without, familiarity.is_of_others() || familiarity.is_strange()) {
         (true, _) => {
-            "unsure: these are not two people, and people are all that the network knows, so it was not used; arms, legs or the whole body may be matched the wrong way round"
+            "unsure: these are not two people, and people are all that the network knows; a map made without it keeps lengths better and was taken; arms, legs or the whole body may be matched the wrong way round"
         }
         (false, true) => {
             "unsure: the pair is unlike those that the network was trained on (whole people): look at the map before you trust it"
         }
         _ => return None,
     };
-    Some(asked.to_owned())
+    Some(unsure.to_owned())
 }
 
 /// A map that changes lengths more than this, in the median, is no map between two poses of one kind of body.
 const STRETCHED: f64 = 1.2;
-/// Median confidence below which a map is hardly one.
-const UNSURE: f32 = 0.3;
+/// Median confidence below which most points are more likely wrong than right.
+const UNSURE: f32 = 0.5;
 
 /// What the map gives reason to doubt.
 fn doubts(stretch: f64, confidence: &[f32]) -> Vec<String> {
@@ -453,8 +477,7 @@ fn doubts(stretch: f64, confidence: &[f32]) -> Vec<String> {
     sorted.sort_by(f32::total_cmp);
     if sorted.get(sorted.len() / 2).is_some_and(|&median| median < UNSURE) {
         doubts.push(
-            "most points do not come back to themselves from A to B and back: the map is hardly to be trusted"
-                .to_owned(),
+            "most points are more likely matched wrongly than rightly: the map is hardly to be trusted".to_owned(),
         );
     }
     doubts

@@ -133,7 +133,8 @@ impl PreparedShape {
             mass,
         };
         let (features, coarse, surface) = (self.features.clone(), self.coarse.clone(), self.surface.clone());
-        Matchable { basis, points, features, extra: None, coarse, surface }
+        let parts = self.embedding.as_ref().map(|embedding| embedding.parts.clone());
+        Matchable { basis, points, features, extra: None, parts, coarse, surface }
     }
 
     /// The predicted part of each uploaded point, an index into [`crate::PARTS`]; nothing when no network was asked.

@@ -132,7 +132,7 @@ fn errors_accuracy_and_flips_are_those_worked_out_by_hand() {
     assert_near(&found["accuracy"]["0.01"], 1.0 - 3.0 / lines);
     assert_near(&found["accuracy"]["0.02"], 1.0 - 2.0 / lines);
     assert_near(&found["accuracy"]["0.05"], 1.0 - 1.0 / lines);
-    for absent in ["flips", "flipped_points", "part_miou", "part_agreement"] {
+    for absent in ["flips", "flipped_points", "part_miou", "part_agreement", "confidence_auc", "ece"] {
         assert_eq!(found[absent], Value::Null, "{absent}");
     }
     assert_eq!(found["per_pair"][0]["flipped"], Value::Null);
@@ -168,6 +168,8 @@ fn the_json_holds_the_promised_names_and_no_others() {
         "flipped_points",
         "part_miou",
         "part_agreement",
+        "confidence_auc",
+        "ece",
         "seconds_per_shape",
         "seconds_per_pair",
         "per_pair",

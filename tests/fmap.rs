@@ -353,7 +353,7 @@ fn confidence_is_high_where_there_and_back_ends_at_home() {
     assert!(confident > 4000, "{confident} of 5000");
     let blob = prepared(blob(3).shape(), &quick());
     let itself = matched(&blob, &blob, &MatchOptions::default());
-    assert!(itself.a_to_b.confidence.iter().all(|&c| c > 0.999));
+    assert!(itself.a_to_b.confidence.iter().all(|&c| c > 0.95));
 }
 
 #[test]

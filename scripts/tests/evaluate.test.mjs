@@ -35,12 +35,13 @@ test('every set is measured in the modes that its files allow', () => {
 test('tables have a dash where a set has no data', () => {
   const nothing = { pairs: 0, age: null, age_raw: null, accuracy: null, flips: null, flipped_points: null };
   const more = { part_miou: null, part_agreement: null, seconds_per_shape: 0.514, seconds_per_pair: null };
+  const confidence = { confidence_auc: 0.8312, ece: null };
   const oracle = { pairs: 3, age: 1.256, accuracy: { 0.01: 0.5, 0.02: 0.8125, 0.05: 1 } };
   const [matches, oracles] = tables([
-    { set: 'parts', mode: 'mesh', parts: 'none', oracle: false, found: { ...nothing, ...more } },
+    { set: 'parts', mode: 'mesh', parts: 'none', oracle: false, found: { ...nothing, ...more, ...confidence } },
     { set: 'bodies', mode: 'cloud', laplacian: 'geodesic', oracle: true, found: oracle },
   ]);
-  assert.equal(matches.split('\n').at(-1), '| parts | mesh | none | 0 | – | – | – | – | – | – | – | – | – | 0.51 | – |');
+  assert.equal(matches.split('\n').at(-1), '| parts | mesh | none | 0 | – | – | – | – | – | – | – | – | – | 0.831 | – | 0.51 | – |');
   assert.equal(oracles.split('\n').at(-1), '| bodies | cloud | geodesic | 3 | 1.26 | 50.0 % | 81.3 % | 100.0 % |');
   for (const table of [matches, oracles]) {
     const columns = new Set(table.split('\n').map((row) => row.split('|').length));

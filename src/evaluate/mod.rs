@@ -1,11 +1,14 @@
 //! Measuring the method on a set with ground truth. Layout and protocol are those of the evaluation sets' own README;
 //! its terms are used here.
 
+mod calibration;
 mod cores;
 mod dataset;
 mod error;
 mod oracle;
 mod part_classes;
+#[cfg(feature = "train")]
+pub mod refit;
 mod report;
 mod rotation;
 mod ruler;
@@ -31,6 +34,7 @@ use crate::prepared::PreparedShape;
 use crate::progress::Progress;
 use crate::shape::Shape;
 
+use calibration::{Judged, RIGHT, area_under_curve, calibration_error};
 use cores::on_all_cores;
 use dataset::{DataSet, Labelled};
 pub use error::EvaluationError;
@@ -98,8 +102,43 @@ pub struct Task {
     pub oracle: bool,
 }
 
+/// A pair to measure, prepared.
+struct Trial<'t> {
+    names: [&'t String; 2],
+    shapes: [&'t PreparedShape; 2],
+    truth: &'t Truth,
+    ruler: &'t Ruler,
+}
+
+impl Trial<'_> {
+    /// For each line of the ground truth the point of A it begins at, and whether `found` takes that to at most [`RIGHT`] of where it belongs.
+    #[cfg(feature = "train")]
+    fn judge(&self, found: &[u32]) -> Vec<(u32, bool)> {
+        let errors = self.ruler.errors(self.truth, found);
+        self.truth.lines.iter().map(|&(i, _)| i).zip(errors.within(RIGHT)).collect()
+    }
+}
+
 /// Measures. `told` hears a line now and then.
 pub fn evaluate(task: &Task, model: &Model, told: &(dyn Fn(&str) + Sync)) -> Result<Evaluation, EvaluationError> {
+    let (set, prepared, measured) = over_pairs(task, model, told, |trial| measure(task, model, trial))?;
+    let mut ious = Vec::new();
+    for (name, shape, _) in prepared.iter().filter(|_| task.parts() == Parts::Predicted) {
+        ious.extend(part_iou(&set, name, shape)?);
+    }
+    Ok(summary(&set, task, prepared.into_iter().map(|(.., seconds)| seconds), ious, measured))
+}
+
+/// A shape by name, and the seconds it took.
+type Timed = (String, PreparedShape, f64);
+
+/// Prepares the shapes of a task and does something with each of its pairs.
+fn over_pairs<R: Send>(
+    task: &Task,
+    model: &Model,
+    told: &(dyn Fn(&str) + Sync),
+    each: impl Fn(&Trial) -> Result<R, EvaluationError> + Sync,
+) -> Result<(DataSet, Vec<Timed>, Vec<R>), EvaluationError> {
     let set = DataSet::open(&task.dataset)?;
     let pairs = set.pairs(task.pairs.as_deref())?;
     let pairs = selection::select(pairs, |pair| pair.join(" "), task.limit);
@@ -150,14 +189,10 @@ pub fn evaluate(task: &Task, model: &Model, told: &(dyn Fn(&str) + Sync)) -> Res
     let measured = on_all_cores(&trials, |([a, b], truth)| {
         count(&format!("{a} {b}"), trials.len());
         let [faces_a, faces_b] = task.mode.faces();
-        measure(task, model, [a, b], [at(a, faces_a), at(b, faces_b)], truth, &rulers[b.as_str()])
+        each(&Trial { names: [a, b], shapes: [at(a, faces_a), at(b, faces_b)], truth, ruler: &rulers[b.as_str()] })
     })?;
-    let mut ious = Vec::new();
-    let predicted = needed.iter().zip(&prepared).filter(|_| task.parts() == Parts::Predicted);
-    for ((name, _), (shape, _)) in predicted {
-        ious.extend(part_iou(&set, name, shape)?);
-    }
-    Ok(summary(&set, task, prepared.into_iter().map(|(_, seconds)| seconds), ious, measured))
+    let prepared = needed.into_iter().zip(prepared).map(|((name, _), (shape, seconds))| (name, shape, seconds));
+    Ok((set, prepared.collect(), measured))
 }
 
 /// The shapes to prepare, and what for.
@@ -211,34 +246,33 @@ struct Measured {
     accuracy: [f64; THRESHOLDS.len()],
     same_part: Option<f64>,
     flipped_points: Option<f64>,
+    /// One per line; none of an oracle, which has no doubts.
+    judged: Vec<Judged>,
     seconds: f64,
 }
 
-fn measure(
-    task: &Task,
-    model: &Model,
-    [source, target]: [&String; 2],
-    [a, b]: [&PreparedShape; 2],
-    truth: &Truth,
-    ruler: &Ruler,
-) -> Result<Measured, EvaluationError> {
+fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, EvaluationError> {
+    let Trial { names: [source, target], shapes: [a, b], truth, ruler } = *trial;
     let failed = |e: Error| EvaluationError::method(format!("{source} {target}"), e);
     let clock = Instant::now();
-    let (found, raw) = if task.oracle {
+    let (found, confidence, raw) = if task.oracle {
         let found = oracle::oracle(at_every_point(a).view(), at_every_point(b).view(), &truth.lines);
         let stuck = |_| format!("{source} {target}: the least squares of the oracle do not converge");
-        (found.map_err(|e| EvaluationError::NotMeasurable(stuck(e)))?, None)
+        (found.map_err(|e| EvaluationError::NotMeasurable(stuck(e)))?, None, None)
     } else {
         let (parts, refine) = (task.parts(), task.refine);
         let options = MatchOptions { parts, refine, raw: refine != Refinement::None, ..Default::default() };
         let mut progress = Progress::silent();
         let matched = pollster::block_on(match_with(model, &Cpu, a, b, &options, &mut progress)).map_err(failed)?;
-        (matched.a_to_b.target, matched.raw.map(|raw| raw.target))
+        (matched.a_to_b.target, Some(matched.a_to_b.confidence), matched.raw.map(|raw| raw.target))
     };
     let seconds = clock.elapsed().as_secs_f64();
     let errors = ruler.errors(truth, &found);
     let age_raw = raw.map_or(errors.age(), |raw| ruler.errors(truth, &raw).age());
     let flipped = truth.mirrored.as_ref().map(|mirrored| ruler.is_flipped(&errors, mirrored));
+    let of_points = confidence.unwrap_or_default();
+    let of_lines = truth.lines.iter().filter_map(|&(i, _)| of_points.get(i as usize));
+    let judged = of_lines.zip(errors.within(RIGHT)).map(|(&confidence, right)| Judged { confidence, right }).collect();
     Ok(Measured {
         result: PairResult { source: source.clone(), target: target.clone(), age: errors.age(), age_raw, flipped },
         accuracy: THRESHOLDS.map(|(_, threshold)| errors.accuracy(threshold)),
@@ -246,6 +280,7 @@ fn measure(
             .then(|| same_part(a, b, &truth.lines))
             .flatten(),
         flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
+        judged,
         seconds,
     })
 }
@@ -285,6 +320,7 @@ fn summary(
     let over_pairs = |value: &dyn Fn(&Measured) -> f64| mean(measured.iter().map(value));
     let accuracy = THRESHOLDS.iter().enumerate().map(|(t, (name, _))| Some((*name, over_pairs(&|m| m.accuracy[t])?)));
     let flipped: Vec<bool> = measured.iter().filter_map(|m| m.result.flipped).collect();
+    let judged: Vec<Judged> = measured.iter().flat_map(|m| m.judged.iter().copied()).collect();
     Evaluation {
         set: set.name(),
         mode: task.mode,
@@ -300,6 +336,8 @@ fn summary(
         flipped_points: mean(measured.iter().filter_map(|m| m.flipped_points)),
         part_miou: mean(ious.into_iter()),
         part_agreement: mean(measured.iter().filter_map(|m| m.same_part)),
+        confidence_auc: area_under_curve(&judged),
+        ece: calibration_error(&judged),
         seconds_per_shape: mean(seconds_per_shape),
         seconds_per_pair: over_pairs(&|m| m.seconds),
         per_pair: measured.into_iter().map(|m| m.result).collect(),

@@ -41,6 +41,10 @@ pub struct Evaluation {
     pub part_miou: Option<f64>,
     /// The share of corresponding points that have the same predicted part, mean over pairs.
     pub part_agreement: Option<f64>,
+    /// How often a point with an error of at most 0.05 √area has more confidence than one with a larger error, over the lines of all pairs.
+    pub confidence_auc: Option<f64>,
+    /// Expected calibration error of confidence, taken as the probability of an error of at most 0.05 √area; ten bins over the lines of all pairs.
+    pub ece: Option<f64>,
     /// Mean seconds to prepare a shape.
     pub seconds_per_shape: Option<f64>,
     /// Mean seconds to match a pair, both directions, the match before refinement included.
@@ -85,10 +89,13 @@ impl fmt::Display for Evaluation {
         if let (Some(flips), Some(points)) = (self.flips, self.flipped_points) {
             writeln!(f, "{flips} of {pairs} flipped, {:.1} % of points", 100.0 * points)?;
         }
-        let scores = [("mIoU", self.part_miou), ("agreement", self.part_agreement)];
-        let scores: Vec<_> = scores.iter().filter_map(|(what, s)| Some(format!("{what} {:.3}", (*s)?))).collect();
-        if !scores.is_empty() {
-            writeln!(f, "parts: {}", scores.join(", "))?;
+        let parts = [("mIoU", self.part_miou), ("agreement", self.part_agreement)];
+        let confidence = [("AUC", self.confidence_auc), ("calibration error", self.ece)];
+        for (of, scores) in [("parts", parts), ("confidence", confidence)] {
+            let scores: Vec<_> = scores.iter().filter_map(|(what, s)| Some(format!("{what} {:.3}", (*s)?))).collect();
+            if !scores.is_empty() {
+                writeln!(f, "{of}: {}", scores.join(", "))?;
+            }
         }
         let seconds = [("shape", self.seconds_per_shape), ("pair", self.seconds_per_pair)];
         let seconds: Vec<_> =

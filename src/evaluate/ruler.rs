@@ -90,9 +90,14 @@ impl Errors {
         100.0 * self.each.iter().sum::<f64>() / self.each.len().max(1) as f64
     }
 
+    /// Whether the error of each line is at most `threshold` (in √area).
+    pub(super) fn within(&self, threshold: f64) -> impl Iterator<Item = bool> + '_ {
+        self.each.iter().map(move |&e| e <= threshold)
+    }
+
     /// The share of lines with an error of at most `threshold` (in √area).
     pub(super) fn accuracy(&self, threshold: f64) -> f64 {
-        self.each.iter().filter(|&&e| e <= threshold).count() as f64 / self.each.len().max(1) as f64
+        self.within(threshold).filter(|&within| within).count() as f64 / self.each.len().max(1) as f64
     }
 }
 

@@ -17,6 +17,8 @@ pub struct Matchable {
     /// Further columns (p, c) that agree at points that correspond, weighed as they are to count beside positions in √area: point features of a network,
     /// probabilities of parts. As many columns on either side of a pair, or none.
     pub extra: Option<Array2<f32>>,
+    /// Probability of each of [`crate::PARTS`] (p, 14), where a network was asked.
+    pub parts: Option<Array2<f32>>,
     /// Rows of an even sampling, coarsest first: every prefix is a sampling too.
     pub coarse: Vec<u32>,
     /// The surface around that sampling.

@@ -4,13 +4,14 @@ use ndarray::Array2;
 
 use super::Matchable;
 use super::alignment::{Rotation, best_rotation, turned};
-use super::correspondence::CYCLE_SCALE;
 use super::functional_map::smoothed;
 use super::rigidity::{Deformation, Elastic};
 use crate::vector::{Vector, minus, norm, plus, squared_distance};
 
 /// Eigenfunctions that the first guess of a deformation is smoothed by.
 const SMOOTH: usize = 60;
+/// Distance at which going there and back again costs e^−½ of a target's weight, in √area: about a hand's width on a person.
+const CYCLE_SCALE: f64 = 0.05;
 /// Weight of a target that nothing confirms: just enough to say something where nothing else does.
 const LEAST_WEIGHT: f64 = 0.02;
 

@@ -5,7 +5,9 @@
 
 mod alignment;
 mod chirality;
+mod confidence;
 mod correspondence;
+mod cues;
 mod embedding;
 mod functional_map;
 mod initial;
@@ -19,7 +21,12 @@ mod refine;
 mod rigidity;
 mod stretch;
 
+#[cfg(feature = "train")]
+pub(crate) use confidence::{Situation, fit, probability};
 pub use correspondence::{Correspondence, UNMATCHED};
+#[cfg(feature = "train")]
+pub(crate) use cues::CUES;
+pub(crate) use cues::Cues;
 pub use embedding::Matchable;
 pub use functional_map::FunctionalMap;
 #[cfg(feature = "train")]
@@ -30,5 +37,5 @@ pub use learned::{Familiarity, learned_maps};
 pub use lifting::lift;
 pub use metrics::{EdgeDistances, mean_error, point_errors};
 pub use part_scores::{PartScores, part_scores};
-pub use refine::{COARSE, Refinement, refine};
-pub use stretch::stretch;
+pub use refine::{COARSE, Refined, Refinement, refine};
+pub use stretch::{strain, stretch};

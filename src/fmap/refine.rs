@@ -7,6 +7,8 @@
 use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
+use super::confidence::confidence;
+use super::cues::Cues;
 use super::functional_map::least_squares;
 use super::laying::{Columns, Laying};
 use super::{Correspondence, Matchable};
@@ -110,21 +112,20 @@ impl Schedule {
         &self,
         device: &D,
         sides: &[Side<D::Tensor>; 2],
-        columns: [Columns; 2],
+        [a, b]: &[Columns; 2],
         round: usize,
     ) -> Beside<D::Tensor> {
         let (coordinates, normals) = (self.even(self.coordinates, round), self.even(self.normals, round));
         let mut beside = extra(device, sides, self.even(self.extra, round));
-        let [a, b] = columns;
         let [of_a, of_b] = &mut beside;
-        let mut push = |on_a: Array2<f32>, on_b: Array2<f32>, weight: f32| {
+        let mut push = |on_a: &Array2<f32>, on_b: &Array2<f32>, weight: f32| {
             of_a.push((device.upload(on_a.view()), weight));
             of_b.push((device.upload(on_b.view()), weight));
         };
-        push(a.laid, b.rest, coordinates);
-        push(a.rest, b.laid, coordinates);
-        push(a.turned, b.normals, normals);
-        push(a.normals, b.turned, normals);
+        push(&a.laid, &b.rest, coordinates);
+        push(&a.rest, &b.laid, coordinates);
+        push(&a.turned, &b.normals, normals);
+        push(&a.normals, &b.turned, normals);
         beside
     }
 }
@@ -142,6 +143,18 @@ struct Side<T> {
 /// Columns of A and of B that stand beside the spectral ones, with their weights.
 type Beside<T> = [Vec<(T, f32)>; 2];
 
+/// A refined match.
+pub struct Refined {
+    /// For each point used of A its point on B.
+    pub a_to_b: Correspondence,
+    /// For each point used of B its point on A.
+    pub b_to_a: Correspondence,
+    /// The maps they came from.
+    pub maps: MapPair,
+    /// What confidence was judged by, from A to B and back.
+    pub cues: [Cues; 2],
+}
+
 /// Refines `first` and matches every point both ways. `parts` are part labels (n) of A and B: then
 /// no point is matched to another part (paper Sec. 3.3, at the level of the map). Returns the correspondences A → B and B → A, and the maps
 /// they came from.
@@ -152,7 +165,7 @@ pub async fn refine<D: Device>(
     parts: Option<(&[u32], &[u32])>,
     refinement: Refinement,
     progress: &mut Progress<'_>,
-) -> Result<(Correspondence, Correspondence, MapPair), Cancelled> {
+) -> Result<Refined, Cancelled> {
     let schedule = if a.surface.oriented && b.surface.oriented { MESH } else { CLOUD };
     refine_by(device, (a, b), first, parts, refinement, &schedule, progress).await
 }
@@ -165,7 +178,7 @@ pub(super) async fn refine_by<D: Device>(
     refinement: Refinement,
     schedule: &Schedule,
     progress: &mut Progress<'_>,
-) -> Result<(Correspondence, Correspondence, MapPair), Cancelled> {
+) -> Result<Refined, Cancelled> {
     let smallest = first.c_ab.nrows();
     let largest = if refinement == Refinement::None { smallest } else { a.basis.k().min(b.basis.k()) };
     let (parts_a, parts_b) = parts.unzip();
@@ -193,7 +206,7 @@ pub(super) async fn refine_by<D: Device>(
                 if round + 1 == schedule.rounds {
                     break (maps, schedule.spectral(round), Some(laying));
                 }
-                let beside = schedule.beside(device, &coarse, laying.coarse(), round);
+                let beside = schedule.beside(device, &coarse, &laying.coarse(), round);
                 there_and_back = nearest(device, &coarse, &maps, schedule.spectral(round), &beside);
                 round += 1;
             }
@@ -203,14 +216,23 @@ pub(super) async fn refine_by<D: Device>(
     progress.at(Stage::Correspondence, 0.0)?;
     let every = |m: &Matchable| (0..m.len() as u32).collect::<Vec<u32>>();
     let full = at(&every(a), &every(b));
-    let beside = match laid {
-        Some(laying) => schedule.beside(device, &full, laying.everywhere(), schedule.rounds - 1),
+    let laid = laid.map(|laying| laying.everywhere());
+    let beside = match &laid {
+        Some(columns) => schedule.beside(device, &full, columns, schedule.rounds - 1),
         None => extra(device, &full, 1.0),
     };
     let (to_b, to_a) = nearest(device, &full, &maps, spectral, &beside);
     let (to_b, to_a) = (device.download_indices(&to_b).await, device.download_indices(&to_a).await);
     progress.at(Stage::Correspondence, 0.8)?;
-    Ok((Correspondence::between(a, &to_b, &to_a), Correspondence::between(b, &to_a, &to_b), maps))
+    let [laid_a, laid_b] = match &laid {
+        Some([a, b]) => [Some(a.laid.view()), Some(b.laid.view())],
+        None => [None, None],
+    };
+    let cues = [Cues::of([a, b], [&to_b, &to_a], laid_a), Cues::of([b, a], [&to_a, &to_b], laid_b)];
+    let [confidence_a, confidence_b] = [&cues[0], &cues[1]].map(confidence);
+    let a_to_b = Correspondence { target: to_b, confidence: confidence_a };
+    let b_to_a = Correspondence { target: to_a, confidence: confidence_b };
+    Ok(Refined { a_to_b, b_to_a, maps, cues })
 }
 
 /// ZoomOut: matches and maps in turn, the basis growing from that of `maps` to `largest` eigenfunctions.

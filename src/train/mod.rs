@@ -9,3 +9,5 @@ pub mod pool;
 pub mod run;
 pub mod sample;
 pub mod step;
+
+pub use crate::evaluate::refit::refit;
