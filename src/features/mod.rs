@@ -10,8 +10,8 @@ mod wave_kernel;
 use ndarray::Array2;
 
 pub(crate) use diffusion_net::DiffusionBlock;
-pub use inputs::{ShapeInputs, weyl_factor};
 pub(crate) use inputs::{InputsOn, input_channels};
+pub use inputs::{ShapeInputs, weyl_factor};
 pub(crate) use layers::{LayerNorm, Linear};
 pub use wave_kernel::wave_kernel_signature;
 

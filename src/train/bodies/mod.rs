@@ -19,6 +19,7 @@ pub mod parts;
 pub mod people;
 pub mod pose;
 pub mod poses;
+pub mod press;
 pub mod quadric;
 pub mod random;
 pub mod reach;

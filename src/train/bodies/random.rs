@@ -8,6 +8,7 @@ use super::anchors::random_turns;
 use super::chance::{happens, uniform};
 use super::data::DataError;
 use super::pose::{Arm, Pose};
+use super::press::press;
 use super::reach::Contact;
 use super::shape_mixture::Person;
 use super::touch::{Gesture, Limb, Place, Skin};
@@ -21,8 +22,8 @@ const ANCHORED: f64 = 0.15;
 const THROUGH: f64 = 0.004;
 /// Smallest share of the spots in contact for a gesture to count: a palm has about 1 %.
 const TOUCHING: f64 = 0.006;
-/// Gap left between a hand or a sole and what it touches, in decimetres.
-const GAP: std::ops::Range<f64> = 0.02..0.09;
+/// Gap left between a hand or a sole and what it touches, in decimetres; below 0 it presses on it.
+const GAP: std::ops::Range<f64> = -0.1..0.09;
 /// Poses tried before the person is given up, too.
 const POSES: usize = 10;
 
@@ -50,7 +51,7 @@ pub struct RandomBody {
     pub gesture: Option<Gesture>,
     /// Vertices of the fine skin in metres, standing on y = 0.
     pub skin: Vec<DVec3>,
-    /// What the pose does to the body.
+    /// What the pose does to the body, before flesh gave way.
     pub contact: Contact,
     /// Poses tried, this one included.
     pub tries: usize,
@@ -98,9 +99,12 @@ impl BodyModel {
                     _ => Some(Pose::random(rng).turns(&rest.skeleton)),
                 };
                 let Some(turns) = drawn else { continue };
-                let skin = self.posed(&rest, &turns).skin;
-                let contact = template.reach.contact(&template.pick(&skin), &template.triangles);
+                let mut skin = self.posed(&rest, &turns).skin;
+                let picked = template.pick(&skin);
+                let contact = template.reach.contact(&picked, &template.triangles);
                 if contact.through <= THROUGH && (gesture.is_none() || contact.touching >= TOUCHING) {
+                    let touching = template.reach.touching(&picked, &template.triangles);
+                    press(&mut skin, &self.skin.triangles, &self.labels, &touching);
                     return Ok(RandomBody { person, turns, gesture, skin, contact, tries });
                 }
             }

@@ -87,17 +87,9 @@ impl Reach {
 
     /// Contact of a posed body, whose template vertices lie at `posed` (metres).
     pub fn contact(&self, posed: &[DVec3], triangles: &[[u32; 3]]) -> Contact {
-        let area: f64 = triangles
-            .iter()
-            .map(|t| {
-                let [p, q, r] = t.map(|v| posed[v as usize]);
-                0.5 * (q - p).cross(r - p).length()
-            })
-            .sum();
-        let scale = (area / AREA).sqrt();
-        let (places, normals) = self.frames(posed, triangles);
+        let scale = scale(posed, triangles);
         let (mut touching, mut through) = (0, 0);
-        for (spot, nearest) in self.depths(&places, &normals, NEAR * scale).into_iter().enumerate() {
+        for (spot, nearest) in self.facing(posed, triangles, scale).into_iter().enumerate() {
             let Some((depth, other)) = nearest else { continue };
             let deep = if is_crease(self.parts[spot], self.parts[other]) { CREASE } else { DEEP };
             touching += usize::from(depth > -GAP * scale);
@@ -105,6 +97,19 @@ impl Reach {
         }
         let share = |count: usize| count as f64 / self.spots.len().max(1) as f64;
         Contact { touching: share(touching), through: share(through) }
+    }
+
+    /// Places of the spots that touch another part, or lie inside it.
+    pub fn touching(&self, posed: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+        let scale = scale(posed, triangles);
+        let facing = self.facing(posed, triangles, scale);
+        let touches = facing.iter().map(|nearest| nearest.is_some_and(|(depth, _)| depth > -GAP * scale));
+        self.spots.iter().zip(touches).filter(|(_, touches)| *touches).map(|(&v, _)| posed[v as usize]).collect()
+    }
+
+    fn facing(&self, posed: &[DVec3], triangles: &[[u32; 3]], scale: f64) -> Vec<Option<(f64, usize)>> {
+        let (places, normals) = self.frames(posed, triangles);
+        self.depths(&places, &normals, NEAR * scale)
     }
 
     /// For each spot how deep it lies behind the tangent plane of the nearest spot that is no neighbour and faces it (negative: before it), and which it is, if
@@ -137,6 +142,18 @@ impl Reach {
         }
         nearest.into_iter().map(|(_, depth)| depth).collect()
     }
+}
+
+/// Lengths of this body over those of one of [`AREA`].
+fn scale(posed: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+    let area: f64 = triangles
+        .iter()
+        .map(|t| {
+            let [p, q, r] = t.map(|v| posed[v as usize]);
+            0.5 * (q - p).cross(r - p).length()
+        })
+        .sum();
+    (area / AREA).sqrt()
 }
 
 /// Whether two parts are thigh and shank of one leg or upper arm and forearm of one arm.

@@ -295,7 +295,7 @@ fn smooth(values: &mut [f64], triangles: &[[u32; 3]]) {
 }
 
 /// Outward unit normals, weighted by area.
-fn normals(skin: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+pub(super) fn normals(skin: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; skin.len()];
     for t in triangles {
         let [p, q, r] = t.map(|v| skin[v as usize]);
