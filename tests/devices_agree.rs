@@ -1,7 +1,7 @@
 //! The GPU computes what the CPU computes, says what it did, and says so when it cannot. Runs on any Vulkan, Metal or DirectX device, also in software.
 #![cfg(all(feature = "gpu", not(target_arch = "wasm32")))]
 
-use geose_fmap::{Cpu, Device, Gpu, GpuCounters, GpuOptions};
+use geose_fmap::{Cpu, Device, Gpu, GpuCounters, GpuOptions, Model, Network, ShapeInputs};
 use ndarray::{Array2, array};
 use pollster::block_on;
 
@@ -133,6 +133,93 @@ fn work_beyond_one_dispatch_is_split_and_still_right() {
     assert!(same(&found.0, &expected.0) > 4990 && same(&found.1, &expected.1) > 3993);
 }
 
+/// Points with as many channels and eigenfunctions as the network that ships asks for.
+fn inputs(points: usize) -> ShapeInputs {
+    let config = &Model::embedded().weights().config;
+    let k = config.eigenpairs;
+    let phi = Array2::from_shape_fn((points, k), |(i, j)| (0.37 * (i * (j + 1)) as f32 / points as f32).cos());
+    let places = wavy(points, 3, 0.1) * 0.5;
+    ShapeInputs {
+        channels: wavy(points, 16, 0.2),
+        moments: &places / points as f32,
+        points: places,
+        projector: &phi / points as f32,
+        gradients: [wavy(points, k, 0.3), wavy(points, k, 0.4)],
+        lambda: Array2::from_shape_fn((k, 1), |(j, _)| 12.6 * j as f32),
+        phi,
+    }
+}
+
+#[test]
+fn the_network_says_the_same_and_nothing_comes_back_in_between() {
+    let gpu = gpu();
+    let weights = Model::embedded().weights();
+    let points = 5000;
+    let inputs = inputs(points);
+    let parts = Array2::from_elem((points, 14), 1.0 / 14.0);
+    let keys: Vec<usize> = (0..1024).collect();
+    let at_keys = |matrix: &Array2<f32>| matrix.select(ndarray::Axis(0), &keys);
+
+    let on_cpu = Network::new(&weights.config, &mut weights.on(&Cpu)).expect("the weights that ship");
+    let embedding = on_cpu.embed(&Cpu, &inputs.upload(&Cpu));
+    let (features, logits) = (embedding.features, embedding.logits);
+    let compared = on_cpu.compare(&Cpu, (&features, &parts), (&at_keys(&features), &at_keys(&parts)));
+
+    let (network, of_weights) =
+        counted(&gpu, || Network::new(&weights.config, &mut weights.on(&gpu)).expect("the weights that ship"));
+    let (on_gpu, of_inputs) = counted(&gpu, || inputs.upload(&gpu));
+    let (embedding, of_embedding) = counted(&gpu, || network.embed(&gpu, &on_gpu));
+    let on_parts = gpu.upload(parts.view());
+    let on_keys = (gpu.upload(at_keys(&features).view()), gpu.upload(at_keys(&parts).view()));
+    let (seen, of_comparison) =
+        counted(&gpu, || network.compare(&gpu, (&embedding.features, &on_parts), (&on_keys.0, &on_keys.1)));
+    println!("weights {of_weights:?}\ninputs {of_inputs:?}\nembed {of_embedding:?}\ncompare {of_comparison:?}");
+    assert_eq!((of_embedding.uploads, of_embedding.downloads), (0, 0));
+    // One layer in, four blocks, a norm and two layers out.
+    assert_eq!(of_embedding.dispatches, 1 + 4 * 29 + 3);
+    assert_eq!((of_comparison.uploads, of_comparison.downloads, of_comparison.dispatches), (0, 0, 9));
+
+    for (name, found, expected) in [
+        ("features", &embedding.features, &features),
+        ("logits", &embedding.logits, &logits),
+        ("compared", &seen, &compared),
+    ] {
+        let found = block_on(gpu.download(found));
+        let largest = expected.iter().fold(0.0_f32, |most, v| most.max(v.abs()));
+        let error = found.iter().zip(expected).fold(0.0_f32, |most, (a, b)| most.max((a - b).abs())) / largest;
+        println!("{name}: {error:.1e} of {largest}");
+        assert!(error < 1e-4, "{name} is {error:e} off");
+    }
+    assert_eq!(gpu.failure(), None);
+}
+
+#[test]
+fn maps_of_a_whole_basis_are_solved_for() {
+    let gpu = gpu();
+    let k = 120;
+    // Descriptors that fade towards high frequencies, as smooth ones do, and a mask that grows away from the diagonal.
+    let descriptors = Array2::from_shape_fn((k, 128), |(i, j)| {
+        ((1.7 * (i * 128 + j) as f32).sin() * 43758.547).fract() / (1.0 + i as f32 / 20.0)
+    });
+    let gram = Cpu.matmul_nt(&descriptors, &descriptors);
+    let right = Cpu.matmul_nt(&descriptors, &descriptors.slice(ndarray::s![..;-1, ..]).to_owned());
+    let mask = Array2::from_shape_fn((k, k), |(i, j)| ((i as f32 - j as f32) / k as f32).powi(2));
+    let expected = Cpu.solve_rows(&gram, &right, &mask);
+    let up = |matrix: &Array2<f32>| gpu.upload(matrix.view());
+    let found = block_on(gpu.download(&gpu.solve_rows(&up(&gram), &up(&right), &up(&mask))));
+    let error = (&found - &expected).iter().fold(0.0_f32, |most, d| most.max(d.abs()))
+        / expected.iter().fold(0.0_f32, |most, v| most.max(v.abs()));
+    println!("{error:.1e}");
+    assert!(error < 1e-3, "{error:e}");
+    // What is not positive definite has no solution here, as on the CPU.
+    let broken = Array2::from_elem((2, 2), f32::NAN);
+    let ones = Array2::ones((1, 2));
+    assert_eq!(
+        block_on(gpu.download(&gpu.solve_rows(&up(&broken), &up(&ones), &up(&ones)))),
+        Array2::<f32>::zeros((1, 2))
+    );
+}
+
 #[test]
 fn a_matrix_too_large_to_bind_is_a_failure_and_not_a_panic() {
     let gpu = gpu();
@@ -163,7 +250,7 @@ fn a_device_that_is_lost_in_the_middle_says_so_and_gives_zeros() {
         let c = gpu.tanh(&b);
         assert_eq!(block_on(gpu.download(&c)), Array2::<f32>::zeros((300, 300)), "lost at moment {moment}");
         let failure = gpu.failure().expect("a failure");
-        println!("lost at moment {moment}: {failure}");
+        assert!(failure.contains("lost"), "{failure}");
         // Work goes on, and does nothing.
         let (indices, counters) = counted(&gpu, || gpu.nearest_rows(&a, &gpu.matmul(&a, &c), None));
         assert_eq!(block_on(gpu.download_indices(&indices.0)), [0; 300]);

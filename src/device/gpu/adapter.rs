@@ -33,10 +33,8 @@ pub(super) struct Opened {
 /// Opens the fastest device there is, within the limits that every WebGPU device has.
 pub(super) async fn open(options: GpuOptions) -> Result<Opened, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let request = wgpu::RequestAdapterOptions {
-        power_preference: wgpu::PowerPreference::HighPerformance,
-        ..Default::default()
-    };
+    let request =
+        wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
     let adapter = instance.request_adapter(&request).await.map_err(|error| format!("no GPU was found ({error})"))?;
     let found = adapter.get_info();
     let info = GpuInfo {
@@ -63,7 +61,7 @@ pub(super) async fn open(options: GpuOptions) -> Result<Opened, String> {
     }));
     device.set_device_lost_callback(move |reason, message| {
         let message = if message.is_empty() { String::new() } else { format!(": {message}") };
-        on_loss.set(format!("the GPU was lost ({reason:?}{message})"));
+        on_loss.set_lost(format!("the GPU was lost ({reason:?}{message})"));
     });
     Ok(Opened { info, device, queue, failure })
 }

@@ -94,7 +94,14 @@ impl Comparison<'_> {
     }
 
     /// Neighbours may differ where two are equally near to within rounding.
-    fn neighbours(&mut self, kernel: &'static str, x: ArrayView2<f32>, y: ArrayView2<f32>, expected: &[u32], found: &[u32]) {
+    fn neighbours(
+        &mut self,
+        kernel: &'static str,
+        x: ArrayView2<f32>,
+        y: ArrayView2<f32>,
+        expected: &[u32],
+        found: &[u32],
+    ) {
         let longest = |a: ArrayView2<f32>| a.rows().into_iter().map(|row| square(row.iter())).fold(0.0, f64::max);
         let scale = (longest(x) + longest(y)).max(f64::MIN_POSITIVE);
         let distance = |i: usize, j: u32| {
@@ -163,11 +170,11 @@ impl Gpu {
         to.matrix("concat", 0.0, beside, &self.concat(&[(&on_x, 1.0), (&on_first, 8.0), (&on_z, -0.3)])).await;
 
         // Scores so large that rounding decides which key is seen would be compared in vain.
-        let (query, key) = (numbers.matrix(rows, COLUMNS, scale.min(4.0)), numbers.matrix(rows.min(KEYS), COLUMNS, 4.0));
+        let (query, key) =
+            (numbers.matrix(rows, COLUMNS, scale.min(4.0)), numbers.matrix(rows.min(KEYS), COLUMNS, 4.0));
         let (of_query, of_key) = (numbers.probabilities(rows), numbers.probabilities(key.nrows()));
         let value = numbers.matrix(key.nrows(), WIDE, scale);
-        let seen =
-            self.attend((&up(&query), &up(&of_query)), (&up(&key), &up(&of_key)), &up(&value));
+        let seen = self.attend((&up(&query), &up(&of_query)), (&up(&key), &up(&of_key)), &up(&value));
         to.matrix("attend", 1e-5, Cpu.attend((&query, &of_query), (&key, &of_key), &value), &seen).await;
 
         let systems = rows.min(2 * WIDE);

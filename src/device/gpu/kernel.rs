@@ -38,8 +38,8 @@ impl<'a> Family<'a> {
         let entries: Vec<_> = std::iter::once(entry(0, wgpu::BufferBindingType::Uniform, true, Some(params)))
             .chain((0..reads + writes).map(storage))
             .collect();
-        let bindings = device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(name), entries: &entries });
+        let bindings =
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(name), entries: &entries });
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(name),
             bind_group_layouts: &[Some(&bindings)],

@@ -120,8 +120,9 @@ impl Gpu {
         &self.info
     }
 
-    /// What went wrong first, if anything did. Nothing that was downloaded since can be used.
+    /// What went wrong, if anything did. Nothing that was downloaded since can be used.
     pub fn failure(&self) -> Option<String> {
+        self.listen();
         self.failure.message().map(str::to_owned)
     }
 
@@ -221,7 +222,11 @@ impl Device for Gpu {
     }
 
     fn diffuse(&self, x: &GpuTensor, lambda: &GpuTensor, log_times: &GpuTensor) -> GpuTensor {
-        assert_eq!((lambda.dim(), log_times.dim()), ((x.rows, 1), (1, x.cols)), "an eigenvalue per row, a time per column");
+        assert_eq!(
+            (lambda.dim(), log_times.dim()),
+            ((x.rows, 1), (1, x.cols)),
+            "an eigenvalue per row, a time per column"
+        );
         self.by_value(&self.kernels.pointwise.diffuse, x, [&lambda.memory, &log_times.memory], 1.0, 4)
     }
 
@@ -237,12 +242,7 @@ impl Device for Gpu {
         self.by_rows(&self.kernels.rows.softmax_rows, x, None, x.cols, 5)
     }
 
-    fn attend(
-        &self,
-        query: (&GpuTensor, &GpuTensor),
-        key: (&GpuTensor, &GpuTensor),
-        value: &GpuTensor,
-    ) -> GpuTensor {
+    fn attend(&self, query: (&GpuTensor, &GpuTensor), key: (&GpuTensor, &GpuTensor), value: &GpuTensor) -> GpuTensor {
         self.stream_attention(query, key, value)
     }
 
@@ -269,12 +269,7 @@ impl Device for Gpu {
         self.in_order(a, rows)
     }
 
-    fn nearest_rows(
-        &self,
-        x: &GpuTensor,
-        y: &GpuTensor,
-        parts: Option<(&[u32], &[u32])>,
-    ) -> (GpuIndices, GpuIndices) {
+    fn nearest_rows(&self, x: &GpuTensor, y: &GpuTensor, parts: Option<(&[u32], &[u32])>) -> (GpuIndices, GpuIndices) {
         self.nearest_both_ways(x, y, parts)
     }
 }

@@ -102,8 +102,16 @@ impl Gpu {
                 first_row: first as u32,
                 slab: here as u32,
             };
-            let bound =
-                [&*x.memory, &y.memory, &squares_x.memory, &squares_y.memory, &order_x, &order_y, &best_of_x, &best_of_y];
+            let bound = [
+                &*x.memory,
+                &y.memory,
+                &squares_x.memory,
+                &squares_y.memory,
+                &order_x,
+                &order_y,
+                &best_of_x,
+                &best_of_y,
+            ];
             let groups = [tiles as u32, tiles_of_y as u32, 1];
             self.run(&self.kernels.nearest.compare[labelled], params, &bound, groups, here as u64 * work_per_row);
             let of_x =

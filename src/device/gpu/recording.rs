@@ -66,10 +66,9 @@ impl Gpu {
         recording.params.extend_from_slice(bytemuck::bytes_of(&params));
         recording.params.resize(slot + SLOT, 0);
         recording.work += work;
-        let mut pass = recording.encoder(&self.device).begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(kernel.name),
-            timestamp_writes: None,
-        });
+        let mut pass = recording
+            .encoder(&self.device)
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(kernel.name), timestamp_writes: None });
         pass.set_pipeline(&kernel.pipeline);
         pass.set_bind_group(0, &group, &[slot as u32]);
         pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
@@ -98,6 +97,7 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
         self.pool.free_condemned();
         self.count(|counters| counters.submissions += 1);
+        self.listen();
     }
 }
 

@@ -50,6 +50,9 @@ impl Gpu {
         let target = staging.buffer()?;
         self.copy(memory.buffer()?, target, bytes);
         self.submit();
+        if self.failure.is_set() {
+            return None;
+        }
         let (mapped, signal) = signal();
         target.map_async(wgpu::MapMode::Read, ..bytes, move |result| mapped.give(result.is_ok()));
         self.wait();
@@ -69,17 +72,25 @@ impl Gpu {
         values.map_err(|error| self.failure.set(error.to_string())).ok()
     }
 
+    /// Hears from the GPU what it has to say, natively; browsers tell by themselves.
+    pub(super) fn listen(&self) {
+        #[cfg(not(target_arch = "wasm32"))]
+        self.poll(wgpu::PollType::Poll);
+    }
+
     /// Natively somebody has to wait for the GPU; browsers do so by themselves.
     fn wait(&self) {
         #[cfg(not(target_arch = "wasm32"))]
-        {
-            // wgpu 30 panics when a driver loses the device here, which is no reason to end the program.
-            let waiting = std::panic::AssertUnwindSafe(|| self.device.poll(wgpu::PollType::wait_indefinitely()));
-            match std::panic::catch_unwind(waiting) {
-                Ok(Ok(_)) => {}
-                Ok(Err(error)) => self.failure.set(format!("waiting for the GPU failed: {error}")),
-                Err(_) => self.failure.set("the GPU was lost while it worked".to_owned()),
-            }
+        self.poll(wgpu::PollType::wait_indefinitely());
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn poll(&self, how: wgpu::PollType) {
+        // wgpu 30 panics when a driver loses the device here, which is no reason to end the program.
+        match std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| self.device.poll(how))) {
+            Ok(Ok(_)) => {}
+            Ok(Err(error)) => self.failure.set(format!("waiting for the GPU failed: {error}")),
+            Err(_) => self.failure.set_lost("the GPU was lost while it worked".to_owned()),
         }
     }
 }
