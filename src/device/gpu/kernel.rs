@@ -2,6 +2,8 @@
 
 use std::num::NonZeroU64;
 
+use super::params::Params;
+
 /// A shader's entry point as a pipeline. Its bindings: `Params`, then buffers that it reads, then those that it writes.
 #[derive(Debug)]
 pub(super) struct Kernel {
@@ -22,12 +24,12 @@ pub(super) struct Family<'a> {
 
 impl<'a> Family<'a> {
     /// A shader with `Params` P that binds `reads` and then `writes` buffers.
-    pub fn new<P>(device: &'a wgpu::Device, name: &str, source: &str, reads: u32, writes: u32) -> Self {
+    pub fn new<P: Params>(device: &'a wgpu::Device, name: &str, source: &str, reads: u32, writes: u32) -> Self {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(name),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let params = NonZeroU64::new(size_of::<P>() as u64).expect("params are not empty");
+        let params = NonZeroU64::new(P::SIZE as u64).expect("params are not empty");
         let entry = |binding: u32, ty, dynamic, least| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,

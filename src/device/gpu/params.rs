@@ -1,25 +1,37 @@
 //! What each shader's `struct Params` holds: the two are compared with naga's eyes in `tests/shaders.rs`, which includes this file.
 
-/// Declares structs of 32-bit numbers, and tells their layouts by the name of the shader.
+/// What a dispatch tells its shader.
+pub trait Params: Copy {
+    /// Bytes of it.
+    const SIZE: usize;
+    /// Its fields one after the other, as a shader lays out 32-bit numbers.
+    fn bytes(&self) -> Vec<u8>;
+}
+
+/// Declares structs of 32-bit numbers, and tells their fields by the name of the shader.
 macro_rules! params {
     ($($(#[$doc:meta])* $name:ident for $shader:literal { $($field:ident: $number:ident),* $(,)? })*) => {
         $(
             $(#[$doc])*
-            #[repr(C)]
-            #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+            #[derive(Clone, Copy, Debug)]
             pub struct $name {
                 $(pub $field: $number),*
             }
+
+            impl Params for $name {
+                const SIZE: usize = 0 $(+ size_of::<$number>())*;
+
+                fn bytes(&self) -> Vec<u8> {
+                    [$(self.$field.to_le_bytes()),*].concat()
+                }
+            }
         )*
 
-        /// Shader, size in bytes, and name, offset and type of each field.
+        /// Shader, and name and type of each field.
         #[cfg(test)]
         #[allow(dead_code)] // For `tests/shaders.rs` alone.
-        pub const LAYOUTS: &[(&str, usize, &[(&str, usize, &str)])] = &[$((
-            $shader,
-            size_of::<$name>(),
-            &[$((stringify!($field), std::mem::offset_of!($name, $field), stringify!($number))),*],
-        )),*];
+        pub const LAYOUTS: &[(&str, &[(&str, &str)])] =
+            &[$(($shader, &[$((stringify!($field), stringify!($number))),*])),*];
     };
 }
 

@@ -1,9 +1,8 @@
 //! Commands on their way to the GPU, in pieces small enough that none of them runs long.
 
-use bytemuck::Pod;
-
 use super::Gpu;
 use super::kernel::Kernel;
+use super::params::Params;
 use super::pool::Memory;
 
 /// Floating-point operations of one dispatch, and of one submission: 0.02 s at 100 GFlop/s. A graphics driver that shares the screen gives up on work
@@ -38,7 +37,7 @@ pub(super) fn rows_per_dispatch(work: u64, tile: usize) -> usize {
 
 impl Gpu {
     /// Records one dispatch of `groups` workgroups on `buffers`, in the order of the shader's bindings; `work` are its floating-point operations.
-    pub(super) fn run(&self, kernel: &Kernel, params: impl Pod, buffers: &[&Memory], groups: [u32; 3], work: u64) {
+    pub(super) fn run(&self, kernel: &Kernel, params: impl Params, buffers: &[&Memory], groups: [u32; 3], work: u64) {
         if groups.contains(&0) || self.failure.is_set() {
             return;
         }
@@ -63,7 +62,7 @@ impl Gpu {
         });
         let mut recording = self.recording.borrow_mut();
         let slot = recording.params.len();
-        recording.params.extend_from_slice(bytemuck::bytes_of(&params));
+        recording.params.extend_from_slice(&params.bytes());
         recording.params.resize(slot + SLOT, 0);
         recording.work += work;
         let mut pass = recording
