@@ -62,6 +62,8 @@ pub mod wasm;
 #[cfg(not(target_arch = "wasm32"))]
 mod write;
 
+#[cfg(feature = "gpu")]
+pub use device::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
 pub use device::{Cpu, Device};
 pub use error::Error;
 pub use features::{PointFeatures, ShapeInputs, wave_kernel_signature};

@@ -3,11 +3,15 @@
 //! Operations are coarse, values stay on the device between them, and the only thing to wait for is a download.
 
 mod cpu;
+#[cfg(feature = "gpu")]
+mod gpu;
 
 pub use cpu::Cpu;
 pub(crate) use cpu::solve_rows_wide;
 #[cfg(feature = "train")]
 pub(crate) use cpu::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, solve_rows, tanh};
+#[cfg(feature = "gpu")]
+pub use gpu::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
 use ndarray::{Array2, ArrayView2};
 
 /// Dense f32 work on row-major matrices (one row per point).

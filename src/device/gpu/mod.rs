@@ -1,0 +1,275 @@
+//! The GPU through wgpu: WebGPU in the browser; Vulkan, Metal or DirectX 12 natively. Each kernel stands beside the shader it launches and has
+//! the name of its twin in `cpu/`.
+//!
+//! Work is recorded, not done, until something is downloaded. What goes wrong (the device is lost, memory runs out, a driver refuses) travels through no
+//! return value: it sets [`Gpu::failure`], after which every operation gives a tensor of the right shape with nothing in it and downloads
+//! give zeros. Whoever downloads asks for the failure and repeats the work on the CPU.
+
+mod adapter;
+mod agreement;
+mod attention;
+mod columns;
+mod counters;
+mod cross_pairs;
+mod failure;
+mod kernel;
+mod matmul;
+mod nearest_rows;
+mod params;
+mod pointwise;
+mod pool;
+mod recording;
+mod rows;
+mod solve_rows;
+mod tensor;
+mod transfer;
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use ndarray::{Array2, ArrayView2};
+
+pub use adapter::{GpuInfo, GpuOptions};
+pub use agreement::Agreement;
+pub use counters::GpuCounters;
+pub use pool::PoolSize;
+pub use tensor::{GpuIndices, GpuTensor};
+
+use super::Device;
+use columns::ColumnKernels;
+use failure::Failure;
+use kernel::Kernel;
+use matmul::{MatmulKernels, Transposed};
+use nearest_rows::NearestKernels;
+use pointwise::PointwiseKernels;
+use pool::Pool;
+use recording::{ARENA, Recording};
+use rows::RowKernels;
+
+/// A graphics processor.
+#[derive(Debug)]
+pub struct Gpu {
+    info: GpuInfo,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    failure: Failure,
+    kernels: Kernels,
+    pool: Rc<Pool>,
+    /// Parameters of the dispatches of one submission.
+    arena: wgpu::Buffer,
+    /// Bytes of the largest matrix that shaders can see.
+    largest_binding: u64,
+    recording: RefCell<Recording>,
+    counters: Cell<GpuCounters>,
+}
+
+/// Every pipeline, made once.
+#[derive(Debug)]
+struct Kernels {
+    attention: Kernel,
+    columns: ColumnKernels,
+    cross_pairs: Kernel,
+    matmul: MatmulKernels,
+    nearest: NearestKernels,
+    pointwise: PointwiseKernels,
+    rows: RowKernels,
+    solve_rows: Kernel,
+}
+
+impl Gpu {
+    /// Opens a GPU, or says why there is none.
+    pub async fn new(options: GpuOptions) -> Result<Self, String> {
+        let adapter::Opened { info, device, queue, failure } = adapter::open(options).await?;
+        let kernels = Kernels {
+            attention: attention::kernel(&device),
+            columns: ColumnKernels::new(&device),
+            cross_pairs: cross_pairs::kernel(&device),
+            matmul: MatmulKernels::new(&device),
+            nearest: NearestKernels::new(&device),
+            pointwise: PointwiseKernels::new(&device),
+            rows: RowKernels::new(&device),
+            solve_rows: solve_rows::kernel(&device),
+        };
+        let arena = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("parameters"),
+            size: ARENA as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let largest_binding = device.limits().max_storage_buffer_binding_size;
+        let gpu = Self {
+            info,
+            device,
+            queue,
+            failure,
+            kernels,
+            pool: Rc::default(),
+            arena,
+            largest_binding,
+            recording: RefCell::default(),
+            counters: Cell::default(),
+        };
+        match gpu.failure() {
+            Some(message) => Err(message),
+            None => Ok(gpu),
+        }
+    }
+
+    /// Which device this is.
+    pub fn info(&self) -> &GpuInfo {
+        &self.info
+    }
+
+    /// What went wrong, if anything did. Nothing that was downloaded since can be used.
+    pub fn failure(&self) -> Option<String> {
+        self.listen();
+        self.failure.message().map(str::to_owned)
+    }
+
+    /// What was done so far.
+    pub fn counters(&self) -> GpuCounters {
+        self.counters.get()
+    }
+
+    /// Memory held at the moment.
+    pub fn pool_size(&self) -> PoolSize {
+        self.pool.size()
+    }
+
+    /// Ends the device as a driver might, for tests.
+    pub fn destroy(&self) {
+        self.device.destroy();
+    }
+
+    fn count(&self, change: impl FnOnce(&mut GpuCounters)) {
+        let mut counters = self.counters.get();
+        change(&mut counters);
+        self.counters.set(counters);
+    }
+
+    /// An unwritten matrix.
+    fn tensor(&self, rows: usize, cols: usize) -> GpuTensor {
+        GpuTensor { memory: self.room(rows * cols), rows, cols }
+    }
+
+    /// Unwritten indices.
+    fn indices(&self, count: usize) -> GpuIndices {
+        GpuIndices { memory: self.room(count), count }
+    }
+}
+
+impl Drop for Gpu {
+    /// Frees its memory now; a browser would wait for the garbage collector.
+    fn drop(&mut self) {
+        self.device.destroy();
+    }
+}
+
+impl Device for Gpu {
+    type Tensor = GpuTensor;
+    type Indices = GpuIndices;
+
+    fn upload(&self, matrix: ArrayView2<f32>) -> GpuTensor {
+        let (rows, cols) = matrix.dim();
+        let values = matrix.as_standard_layout();
+        let values = values.as_slice().expect("standard layout");
+        GpuTensor { memory: self.send(bytemuck::cast_slice(values)), rows, cols }
+    }
+
+    async fn download(&self, tensor: &GpuTensor) -> Array2<f32> {
+        let bytes = self.fetch(&tensor.memory, 4 * tensor.len() as u64).await;
+        let values = bytes.map(|bytes| bytemuck::pod_collect_to_vec::<u8, f32>(&bytes));
+        let matrix = values.and_then(|values| Array2::from_shape_vec(tensor.dim(), values).ok());
+        matrix.unwrap_or_else(|| Array2::zeros(tensor.dim()))
+    }
+
+    async fn download_indices(&self, indices: &GpuIndices) -> Vec<u32> {
+        let bytes = self.fetch(&indices.memory, 4 * indices.count as u64).await;
+        bytes.map_or_else(|| vec![0; indices.count], |bytes| bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    fn matmul(&self, a: &GpuTensor, b: &GpuTensor) -> GpuTensor {
+        self.product(a, b, Transposed::Neither, None)
+    }
+
+    fn matmul_tn(&self, a: &GpuTensor, b: &GpuTensor) -> GpuTensor {
+        self.product(a, b, Transposed::Left, None)
+    }
+
+    fn matmul_nt(&self, a: &GpuTensor, b: &GpuTensor) -> GpuTensor {
+        self.product(a, b, Transposed::Right, None)
+    }
+
+    fn linear(&self, x: &GpuTensor, weight: &GpuTensor, bias: &GpuTensor) -> GpuTensor {
+        self.product(x, weight, Transposed::Neither, Some(bias))
+    }
+
+    fn layer_norm(&self, x: &GpuTensor, gain: &GpuTensor, bias: &GpuTensor) -> GpuTensor {
+        self.by_rows(&self.kernels.rows.layer_norm, x, Some((gain, bias)), x.cols, 8)
+    }
+
+    fn multiply(&self, a: &GpuTensor, b: &GpuTensor) -> GpuTensor {
+        assert_eq!(a.dim(), b.dim(), "values to multiply");
+        self.by_value(&self.kernels.pointwise.multiply, a, [&b.memory, &b.memory], 1.0, 1)
+    }
+
+    fn relu(&self, x: &GpuTensor) -> GpuTensor {
+        self.by_value(&self.kernels.pointwise.relu, x, [&x.memory, &x.memory], 1.0, 1)
+    }
+
+    fn tanh(&self, x: &GpuTensor) -> GpuTensor {
+        self.by_value(&self.kernels.pointwise.tanh, x, [&x.memory, &x.memory], 1.0, 5)
+    }
+
+    fn diffuse(&self, x: &GpuTensor, lambda: &GpuTensor, log_times: &GpuTensor) -> GpuTensor {
+        assert_eq!(
+            (lambda.dim(), log_times.dim()),
+            ((x.rows, 1), (1, x.cols)),
+            "an eigenvalue per row, a time per column"
+        );
+        self.by_value(&self.kernels.pointwise.diffuse, x, [&lambda.memory, &log_times.memory], 1.0, 4)
+    }
+
+    fn cross_pairs(&self, g: &GpuTensor) -> GpuTensor {
+        self.cross_of_pairs(g)
+    }
+
+    fn normalize_rows(&self, x: &GpuTensor) -> GpuTensor {
+        self.by_rows(&self.kernels.rows.normalize_rows, x, None, x.cols, 3)
+    }
+
+    fn softmax_rows(&self, x: &GpuTensor) -> GpuTensor {
+        self.by_rows(&self.kernels.rows.softmax_rows, x, None, x.cols, 5)
+    }
+
+    fn attend(&self, query: (&GpuTensor, &GpuTensor), key: (&GpuTensor, &GpuTensor), value: &GpuTensor) -> GpuTensor {
+        self.stream_attention(query, key, value)
+    }
+
+    fn solve_rows(&self, gram: &GpuTensor, right: &GpuTensor, mask: &GpuTensor) -> GpuTensor {
+        self.solve_systems(gram, right, mask)
+    }
+
+    fn leading_columns(&self, a: &GpuTensor, count: usize) -> GpuTensor {
+        self.side_by_side(a.rows, &[(a, count, 1.0)])
+    }
+
+    fn concat(&self, parts: &[(&GpuTensor, f32)]) -> GpuTensor {
+        let rows = parts.first().expect("something to put side by side").0.rows;
+        let parts: Vec<_> = parts.iter().map(|&(part, weight)| (part, part.cols, weight)).collect();
+        self.side_by_side(rows, &parts)
+    }
+
+    fn add(&self, a: &GpuTensor, b: &GpuTensor, weight: f32) -> GpuTensor {
+        assert_eq!(a.dim(), b.dim(), "values to add");
+        self.by_value(&self.kernels.pointwise.add, a, [&b.memory, &b.memory], weight, 2)
+    }
+
+    fn gather(&self, a: &GpuTensor, rows: &GpuIndices) -> GpuTensor {
+        self.in_order(a, rows)
+    }
+
+    fn nearest_rows(&self, x: &GpuTensor, y: &GpuTensor, parts: Option<(&[u32], &[u32])>) -> (GpuIndices, GpuIndices) {
+        self.nearest_both_ways(x, y, parts)
+    }
+}
