@@ -13,8 +13,9 @@ export async function check() {
   const checks = {
     'cargo fmt': () => run('cargo', ['fmt', '--check']),
     clippy: () => clippy(['--all-targets']),
-    'clippy with the trainer': () => clippy(['--all-targets', '--features', 'train']),
+    'clippy with trainer and GPU': () => clippy(['--all-targets', '--features', 'train,gpu']),
     'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),
+    'clippy for wasm32 with GPU': () => clippy(['--lib', '--features', 'gpu', '--target', 'wasm32-unknown-unknown'], wasm),
     'types of the package': compilePackage,
     'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),
     prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),
