@@ -228,7 +228,6 @@ pub(crate) async fn match_with_cues<D: Device>(
     ];
     let known = side_by_side(known.into_iter().flatten());
     let known = known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
-    let without = [&side_a, &side_b].map(|side| Matchable { extra: None, parts: None, ..side.clone() });
     let mut candidates = Vec::new();
     let mut familiarity = None;
     if let (Some(of_a), Some(of_b)) = (&a.embedding, &b.embedding)
@@ -241,6 +240,7 @@ pub(crate) async fn match_with_cues<D: Device>(
         candidates.push(([side_a, side_b], maps, model.weights().named()));
     }
     if familiarity.is_none_or(|at_home| at_home.is_of_others()) {
+        let without = [a, b].map(|shape| Matchable { parts: None, ..shape.matchable() });
         let maps = initial_maps(device, &without[0], &without[1], known, parts).await;
         candidates.push((without, maps, serde_json::Value::Null));
     }
