@@ -1,6 +1,6 @@
 import { GeoSeError } from './error.js';
 import type { CallOptions } from './options.js';
-import type { Call, CallName, CallOf, Calls, FromWorker } from './protocol.js';
+import type { Call, CallName, CallOf, Calls, DeviceChoice, FromWorker } from './protocol.js';
 import type { Spawn, Thread } from './thread.js';
 
 /** A call that has not been settled. */
@@ -21,6 +21,7 @@ interface Job {
  */
 export class WorkerHost {
   readonly #module: WebAssembly.Module;
+  readonly #device: DeviceChoice;
   readonly #spawn: Spawn;
   /** The first one runs, the others wait. */
   readonly #jobs: Job[] = [];
@@ -30,8 +31,9 @@ export class WorkerHost {
   #lastId = 0;
   #disposed = false;
 
-  constructor(module: WebAssembly.Module, spawn: Spawn) {
+  constructor(module: WebAssembly.Module, device: DeviceChoice, spawn: Spawn) {
     this.#module = module;
+    this.#device = device;
     this.#spawn = spawn;
   }
 
@@ -93,7 +95,7 @@ export class WorkerHost {
       message: (message) => this.#hear(message),
       died: (reason) => this.#end(this.#ready ? crashed(reason) : unavailable(reason)),
     });
-    thread.post({ type: 'start', module: this.#module });
+    thread.post({ type: 'start', module: this.#module, device: this.#device });
     return thread;
   }
 

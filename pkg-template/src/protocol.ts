@@ -1,6 +1,6 @@
 import type { ErrorDetails } from './error.js';
-import type { LaplacianOptions, MatchOptions, PrepareOptions, Progress, ReadOptions, SpectrumOptions } from './options.js';
-import type { Laplacian, Match, Spectrum } from './results.js';
+import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions, Progress, ReadOptions, SpectrumOptions } from './options.js';
+import type { Device, Laplacian, Match, Spectrum } from './results.js';
 
 /** A shape on its way into the worker. */
 export type Source =
@@ -21,7 +21,7 @@ export interface Prepared {
 
 /** What the worker can be asked, and what it answers. */
 export interface Calls {
-  version: { ask: object; answer: string };
+  device: { ask: object; answer: Device };
   prepare: {
     ask: { source: Source; options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'> };
     answer: Uint8Array<ArrayBuffer>;
@@ -40,8 +40,11 @@ export type Answer = Calls[CallName]['answer'];
 export type CallOf<N extends CallName> = { name: N } & Calls[N]['ask'];
 export type Call = { [N in CallName]: CallOf<N> }[CallName];
 
+/** Which device a matcher is to run on. */
+export type DeviceChoice = NonNullable<MatcherOptions['device']>;
+
 /** Messages to the worker. `start` comes once and first; then one `call` at a time. */
-export type ToWorker = { type: 'start'; module: WebAssembly.Module } | { type: 'call'; id: number; call: Call };
+export type ToWorker = { type: 'start'; module: WebAssembly.Module; device: DeviceChoice } | { type: 'call'; id: number; call: Call };
 
 /** Messages from the worker. After `crashed` it must be ended. */
 export type FromWorker =

@@ -32,6 +32,10 @@ pub(super) struct Opened {
 
 /// Opens the fastest device there is, within the limits that every WebGPU device has.
 pub(super) async fn open(options: GpuOptions) -> Result<Opened, String> {
+    #[cfg(target_arch = "wasm32")]
+    if !has_webgpu() {
+        return Err("there is no WebGPU here: the engine has none, or the page is not served over HTTPS".to_owned());
+    }
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let request =
         wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
@@ -64,4 +68,18 @@ pub(super) async fn open(options: GpuOptions) -> Result<Opened, String> {
         on_loss.set_lost(format!("the GPU was lost ({reason:?}{message})"));
     });
     Ok(Opened { info, device, queue, failure })
+}
+
+/// Whether the engine has WebGPU at all. wgpu panics outside of windows and workers.
+#[cfg(target_arch = "wasm32")]
+fn has_webgpu() -> bool {
+    let get =
+        |object: &js_sys::Object, name: &str| js_sys::Reflect::get(object, &name.into()).map(js_sys::Object::from);
+    let of_browser = ["Window", "WorkerGlobalScope"]
+        .iter()
+        .any(|kind| get(&js_sys::global(), kind).is_ok_and(|kind| !kind.is_undefined()));
+    of_browser
+        && get(&js_sys::global(), "navigator")
+            .and_then(|navigator| get(&navigator, "gpu"))
+            .is_ok_and(|gpu| !gpu.is_undefined())
 }

@@ -2,7 +2,7 @@
 //! the name of its twin in `cpu/`.
 //!
 //! Work is recorded, not done, until something is downloaded. What goes wrong (the device is lost, memory runs out, a driver refuses) travels through no
-//! return value: it sets [`Gpu::failure`], after which every operation gives a tensor of the right shape with nothing in it and downloads
+//! return value: it sets [`Device::failure`], after which every operation gives a tensor of the right shape with nothing in it and downloads
 //! give zeros. Whoever downloads asks for the failure and repeats the work on the CPU.
 
 mod adapter;
@@ -120,12 +120,6 @@ impl Gpu {
         &self.info
     }
 
-    /// What went wrong, if anything did. Nothing that was downloaded since can be used.
-    pub fn failure(&self) -> Option<String> {
-        self.listen();
-        self.failure.message().map(str::to_owned)
-    }
-
     /// What was done so far.
     pub fn counters(&self) -> GpuCounters {
         self.counters.get()
@@ -169,11 +163,20 @@ impl Device for Gpu {
     type Tensor = GpuTensor;
     type Indices = GpuIndices;
 
+    fn failure(&self) -> Option<String> {
+        self.listen();
+        self.failure.message().map(str::to_owned)
+    }
+
     fn upload(&self, matrix: ArrayView2<f32>) -> GpuTensor {
         let (rows, cols) = matrix.dim();
         let values = matrix.as_standard_layout();
         let values = values.as_slice().expect("standard layout");
         GpuTensor { memory: self.send(bytemuck::cast_slice(values)), rows, cols }
+    }
+
+    fn upload_indices(&self, indices: &[u32]) -> GpuIndices {
+        GpuIndices { memory: self.send(bytemuck::cast_slice(indices)), count: indices.len() }
     }
 
     async fn download(&self, tensor: &GpuTensor) -> Array2<f32> {
