@@ -7,10 +7,13 @@ import { launch, page, serve, visit } from './browser.mjs';
 import { run } from './customer.mjs';
 import { installedPackage, project } from './installed.mjs';
 
+/** Few points: a GPU in software is slow. */
+const SMALL = { points: 400, eigenpairs: 40 };
+
 describe('a page in a browser with WebGPU, in software', () => {
-  let browser, expected, site, close, remove;
+  let browser, expected;
   before(async () => {
-    expected = await run((await installedPackage()).Matcher);
+    expected = await run((await installedPackage()).Matcher, { device: 'cpu' }, SMALL);
     browser = await launch(webgpu);
   });
   after(() => browser.close());
@@ -21,16 +24,15 @@ describe('a page in a browser with WebGPU, in software', () => {
       ...page(),
       'main.js': `import { Matcher } from './vendor/index.js';\nimport { run } from './customer.mjs';\n${main}`,
     });
-    ({ remove } = files);
     cpSync(files.installed, path.join(files.folder, 'vendor'), { recursive: true });
-    ({ origin: site, close } = await serve(files.folder));
+    const { origin, close } = await serve(files.folder);
     try {
-      const { outcome, complaints } = await visit(browser, site);
+      const { outcome, complaints } = await visit(browser, origin);
       assert.deepEqual(complaints, []);
       return outcome;
     } finally {
       await close();
-      remove();
+      files.remove();
     }
   }
 
@@ -51,7 +53,8 @@ describe('a page in a browser with WebGPU, in software', () => {
 
   test('finds the map of the CPU, also after a cancelled and a trapped call', async (t) => {
     const outcome = await outcomeOf(
-      `window.outcome = await run(Matcher, { device: 'webgpu' }).catch((error) => ({ error: String(error) }));`,
+      `const small = ${JSON.stringify(SMALL)};
+      window.outcome = await run(Matcher, { device: 'webgpu' }, small).catch((error) => ({ error: String(error) }));`,
     );
     assert.equal(outcome.cancelled, 'cancelled', JSON.stringify(outcome.error));
     assert.equal(outcome.trapped, 'crashed');
