@@ -1,4 +1,5 @@
 //! What the network knows, what it does not, and that it says so.
+#![cfg(not(target_arch = "wasm32"))]
 
 mod shapes;
 
