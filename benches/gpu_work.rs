@@ -80,8 +80,8 @@ fn main() {
         "# What a match asks of a GPU
 
 `cargo bench --features gpu --bench gpu_work`: two sample bodies of 5000 points, k = 120, counted by the device itself. Bytes are those of every buffer that a shader
-names, once per dispatch: the least that moves. The bounds are milliseconds at the data sheet of a middling card ({} TFLOP/s in f32, {} GB/s of memory, {} GB/s of
-bus): no kernel is faster than the largest of the three, and none was timed on such a card.
+names, whole, once per dispatch: about what moves where caches are perfect. The bounds are milliseconds at the data sheet of a middling card ({} TFLOP/s in f32,
+{} GB/s of memory, {} GB/s of bus). Nothing here was timed on such a card, and waiting for a download costs more than its bytes.
 ",
         FLOPS / 1e12,
         MEMORY / 1e9,

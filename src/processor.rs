@@ -103,13 +103,17 @@ pub struct Processor {
 #[cfg(feature = "gpu")]
 #[derive(Debug)]
 enum GpuState {
-    /// Not wanted, or not there.
+    /// Not wanted, or none was there from the start.
     Unused,
-    /// In use; whether one in software would do as well.
+    /// In use, with what was asked for.
     Open(Box<Model<Gpu>>, GpuOptions),
-    /// It failed, and there was no other.
-    Gone(String),
+    /// Asked for, and gone for the reason given; before every call there may be another.
+    Gone(String, GpuOptions),
 }
+
+/// Bytes of GPU memory that are kept between calls.
+#[cfg(feature = "gpu")]
+const KEPT: u64 = 64 << 20;
 
 impl Processor {
     /// The CPU.
@@ -125,6 +129,22 @@ impl Processor {
     /// Which device runs, and why.
     pub fn info(&self) -> &DeviceInfo {
         &self.info
+    }
+
+    /// What loses the GPU in use as a driver might, for tests.
+    pub fn losing(&self) -> Option<Box<dyn Fn()>> {
+        #[cfg(feature = "gpu")]
+        return self.gpu().map(|gpu| Box::new(gpu.losing()) as Box<dyn Fn()>);
+        #[cfg(not(feature = "gpu"))]
+        None
+    }
+
+    /// Whether calls may wait for a GPU.
+    pub fn waits(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        return !matches!(self.gpu, GpuState::Unused);
+        #[cfg(not(feature = "gpu"))]
+        false
     }
 }
 
@@ -142,6 +162,11 @@ impl Processor {
             DeviceChoice::Auto => Ok(Self { info: on_cpu("this build has no WebGPU device"), ..cpu }),
             DeviceChoice::Webgpu => Err(DeviceError::NotInBuild),
         }
+    }
+
+    /// The device of [`Processor::open`] once more.
+    pub async fn reopen(model: &'static Model, _: DeviceChoice) -> Self {
+        Self::cpu(model)
     }
 
     /// [`prepare_with`] on the device.
@@ -171,24 +196,36 @@ impl Processor {
 impl Processor {
     /// The device of choice. A GPU is only taken when every kernel agrees with the CPU.
     pub async fn open(model: &'static Model, choice: DeviceChoice) -> Result<Self, DeviceError> {
-        let options = match choice {
-            DeviceChoice::Cpu => return Ok(Self::cpu(model)),
-            DeviceChoice::Auto => GpuOptions { software: false },
-            DeviceChoice::Webgpu => GpuOptions { software: true },
-        };
-        match (load(model, options).await, choice) {
+        let Some(options) = options(choice) else { return Ok(Self::cpu(model)) };
+        match (load(model, options, true).await, choice) {
             (Ok(on_gpu), _) => {
                 let reason = match (choice, on_gpu.device().info().software) {
                     (DeviceChoice::Auto, _) => "every kernel agrees with the CPU",
                     (_, true) => "asked for; it computes in software, more slowly than the CPU path",
                     (_, false) => "asked for",
                 };
-                let info = on_gpu_because(&on_gpu, reason);
-                Ok(Self { model, info, gpu: GpuState::Open(Box::new(on_gpu), options) })
+                Ok(Self { info: on_gpu_because(&on_gpu, reason), ..Self::with(model, on_gpu, options) })
             }
             (Err(reason), DeviceChoice::Webgpu) => Err(DeviceError::Unavailable(reason)),
             (Err(reason), _) => Ok(Self { info: on_cpu(reason), ..Self::cpu(model) }),
         }
+    }
+
+    /// The GPU that [`Processor::open`] gave before, without its test; while there is none the CPU does the work.
+    pub async fn reopen(model: &'static Model, choice: DeviceChoice) -> Self {
+        let Some(options) = options(choice) else { return Self::cpu(model) };
+        match load(model, options, false).await {
+            Ok(on_gpu) => Self { info: on_gpu_because(&on_gpu, "opened anew"), ..Self::with(model, on_gpu, options) },
+            Err(reason) => Self {
+                info: on_cpu(reason.clone()),
+                gpu: if choice == DeviceChoice::Auto { GpuState::Unused } else { GpuState::Gone(reason, options) },
+                ..Self::cpu(model)
+            },
+        }
+    }
+
+    fn with(model: &'static Model, on_gpu: Model<Gpu>, options: GpuOptions) -> Self {
+        Self { gpu: GpuState::Open(Box::new(on_gpu), options), ..Self::cpu(model) }
     }
 
     /// [`prepare_with`] on the device.
@@ -199,11 +236,15 @@ impl Processor {
         options: &PrepareOptions,
         progress: &mut Progress<'_>,
     ) -> Result<PreparedShape, Error> {
-        self.replace_if_lost().await;
+        self.renew().await;
         match &self.gpu {
-            GpuState::Open(on_gpu, _) => prepare_with(on_gpu, shape, name, options, progress).await,
+            GpuState::Open(on_gpu, _) => {
+                let prepared = prepare_with(&**on_gpu, shape, name, options, progress).await;
+                on_gpu.device().trim(KEPT);
+                prepared
+            }
             GpuState::Unused => prepare_with(self.model, shape, name, options, progress).await,
-            GpuState::Gone(reason) => {
+            GpuState::Gone(reason, _) => {
                 let mut prepared = prepare_with(self.model, shape, name, options, progress).await?;
                 prepared.info.fallback = Some(Fallback { stage: Stage::Features, reason: reason.clone() });
                 Ok(prepared)
@@ -219,21 +260,21 @@ impl Processor {
         options: &MatchOptions,
         progress: &mut Progress<'_>,
     ) -> Result<Match, Error> {
-        self.replace_if_lost().await;
+        self.renew().await;
         match &self.gpu {
             GpuState::Open(on_gpu, _) => {
                 let before = on_gpu.device().counters();
-                let mut matched = match_with(&**on_gpu, a, b, options, progress).await?;
+                let matched = match_with(&**on_gpu, a, b, options, progress).await;
+                on_gpu.device().trim(KEPT);
                 let done = on_gpu.device().counters() - before;
-                matched.device = DeviceKind::Webgpu;
-                matched.gpu = GpuUse { dispatches: done.dispatches, uploads: done.uploads, downloads: done.downloads };
-                Ok(matched)
+                let gpu = GpuUse { dispatches: done.dispatches, uploads: done.uploads, downloads: done.downloads };
+                Ok(Match { device: DeviceKind::Webgpu, gpu, ..matched? })
             }
             GpuState::Unused => match_with(self.model, a, b, options, progress).await,
-            GpuState::Gone(reason) => {
-                let mut matched = match_with(self.model, a, b, options, progress).await?;
-                matched.fallback = Some(Fallback { stage: Stage::FunctionalMap, reason: reason.clone() });
-                Ok(matched)
+            GpuState::Gone(reason, _) => {
+                let fallback = Fallback { stage: Stage::FunctionalMap, reason: reason.clone() };
+                let matched = match_with(self.model, a, b, options, progress).await?;
+                Ok(Match { fallback: Some(fallback), ..matched })
             }
         }
     }
@@ -242,42 +283,59 @@ impl Processor {
     pub fn gpu(&self) -> Option<&Gpu> {
         match &self.gpu {
             GpuState::Open(on_gpu, _) => Some(on_gpu.device()),
-            GpuState::Unused | GpuState::Gone(_) => None,
+            GpuState::Unused | GpuState::Gone(..) => None,
         }
     }
 
-    /// A device that failed is not used again; another one may be there.
-    async fn replace_if_lost(&mut self) {
-        let GpuState::Open(on_gpu, options) = &self.gpu else { return };
-        let Some(lost) = on_gpu.device().failure() else { return };
-        let options = *options;
+    /// A device that failed is not used again; another one may be there, now or later.
+    async fn renew(&mut self) {
+        let (lost, options) = match &self.gpu {
+            GpuState::Open(on_gpu, options) => match on_gpu.device().failure() {
+                Some(failure) => (failure, *options),
+                None => return,
+            },
+            GpuState::Gone(reason, options) => (reason.clone(), *options),
+            GpuState::Unused => return,
+        };
         // Its memory first.
         self.gpu = GpuState::Unused;
-        match load(self.model, options).await {
+        // What was tested once need not be tested again, and the caller waits.
+        match load(self.model, options, false).await {
             Ok(on_gpu) => {
-                self.info = on_gpu_because(&on_gpu, "opened anew after the one before was lost");
-                self.gpu = GpuState::Open(Box::new(on_gpu), options);
+                let info = on_gpu_because(&on_gpu, &format!("opened anew: {lost}"));
+                *self = Self { info, ..Self::with(self.model, on_gpu, options) };
             }
             Err(reason) => {
-                let reason = format!("{lost}, and no other could be opened: {reason}");
                 self.info = on_cpu(reason.clone());
-                self.gpu = GpuState::Gone(reason);
+                self.gpu = GpuState::Gone(reason, options);
             }
         }
     }
 }
 
-/// Opens and tests a GPU, and takes the network there.
 #[cfg(feature = "gpu")]
-async fn load(model: &Model, options: GpuOptions) -> Result<Model<Gpu>, String> {
+fn options(choice: DeviceChoice) -> Option<GpuOptions> {
+    match choice {
+        DeviceChoice::Cpu => None,
+        DeviceChoice::Auto => Some(GpuOptions { software: false }),
+        DeviceChoice::Webgpu => Some(GpuOptions { software: true }),
+    }
+}
+
+/// Opens a GPU, tests it if it has not been, and takes the network there.
+#[cfg(feature = "gpu")]
+async fn load(model: &Model, options: GpuOptions, test: bool) -> Result<Model<Gpu>, String> {
     let gpu = Gpu::new(options).await?;
-    gpu.self_test().await?;
+    if test {
+        gpu.self_test().await?;
+        gpu.trim(0);
+    }
     Model::on(model.weights().clone(), gpu).map_err(|error| error.to_string())
 }
 
 #[cfg(feature = "gpu")]
 fn on_gpu_because(model: &Model<Gpu>, reason: &str) -> DeviceInfo {
     let adapter = model.device().info();
-    let name = [&adapter.name, &adapter.backend].into_iter().find(|name| !name.is_empty());
-    DeviceInfo { kind: DeviceKind::Webgpu, reason: reason.to_owned(), adapter: name.cloned() }
+    let adapter = Some(format!("{}, {}", adapter.name, adapter.backend));
+    DeviceInfo { kind: DeviceKind::Webgpu, reason: reason.to_owned(), adapter }
 }

@@ -20,8 +20,8 @@ export function read_arrays(
   labels: Uint32Array | undefined,
   name: string | undefined,
 ): RawShape;
-/** Opens the device; rejects with a typed error where it is insisted on and not there. */
-export function open_device(choice: NonNullable<MatcherOptions['device']>): Promise<Device>;
+/** Opens the device; rejects with a typed error where it is insisted on and not there. `again` opens one that was opened before, or else goes on without it. */
+export function open_device(choice: NonNullable<MatcherOptions['device']>, again: boolean): Promise<Device>;
 
 type PrepareGiven = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>;
 type MatchGiven = Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>;
@@ -31,6 +31,8 @@ export class Device {
   info(): DeviceInfo;
   /** Whether calls have to be waited for; the others need not be. */
   waits(): boolean;
+  /** Loses a GPU in a stage of the next call, to test recovery with. */
+  lose_at(stage: Stage): void;
   /** Consumes `shape`, also when it throws. */
   prepare(shape: RawShape, options: PrepareGiven, progress: Progress): Bytes;
   prepare_waiting(shape: RawShape, options: PrepareGiven, progress: Progress): Promise<Bytes>;
@@ -58,3 +60,5 @@ export function refused_bytes(): number;
 export function last_panic(): string | undefined;
 /** A real trap, to test recovery with. */
 export function trap(): never;
+/** The same after waiting: the promise never settles. */
+export function trap_waiting(): Promise<never>;

@@ -13,7 +13,7 @@ import type {
 } from './options.js';
 import { blockOf, PreparedShape, preparedFrom } from './prepared.js';
 import { buffersOf, type Prepared, type Source } from './protocol.js';
-import type { Device, Laplacian, Match, Spectrum } from './results.js';
+import type { Device, Laplacian, Match, Spectrum, Stage } from './results.js';
 import { spawner } from './thread.js';
 import { compile } from './wasm.js';
 
@@ -24,17 +24,19 @@ const DEVICES: readonly unknown[] = ['auto', 'cpu', 'webgpu'];
  * copied when a call is made; results belong to the caller. Every rejection is a `GeoSeError`.
  */
 export class Matcher {
-  /** Where the work happens, and why there. */
-  readonly device: Device;
   readonly #host: WorkerHost;
 
   static {
     disposable(Matcher.prototype, 'dispose');
   }
 
-  private constructor(host: WorkerHost, device: Device) {
+  private constructor(host: WorkerHost) {
     this.#host = host;
-    this.device = device;
+  }
+
+  /** Where the work happens, and why there. Changes when a GPU is lost, or comes back. */
+  get device(): Device {
+    return this.#host.device;
   }
 
   /** Loads the wasm, starts the worker and opens the device. In Node the worker keeps the process alive only while a call is open. */
@@ -46,11 +48,12 @@ export class Matcher {
     const [module, spawn] = await Promise.all([compile(wasm), spawner(worker)]);
     const host = new WorkerHost(module, device, spawn);
     try {
-      return new Matcher(host, await host.run<'device'>({ name: 'device' }));
+      await host.run<'device'>({ name: 'device' });
     } catch (error) {
       host.dispose();
       throw error;
     }
+    return new Matcher(host);
   }
 
   /** Reads a scan, a file or arrays, and computes everything a match needs to know of it. */
@@ -89,9 +92,14 @@ export class Matcher {
     this.#host.dispose();
   }
 
-  /** @internal For tests: traps inside the wasm. */
-  async [Symbol.for('geose-fmap.trap')](): Promise<never> {
-    return this.#host.run<'trap'>({ name: 'trap' });
+  /** @internal For tests: traps inside the wasm, at once or while it is waited for. */
+  async [Symbol.for('geose-fmap.trap')](waiting = false): Promise<never> {
+    return this.#host.run<'trap'>({ name: 'trap', waiting });
+  }
+
+  /** @internal For tests: loses the GPU in a stage of the next call. */
+  async [Symbol.for('geose-fmap.lose')](stage: Stage): Promise<void> {
+    return this.#host.run<'lose'>({ name: 'lose', stage });
   }
 }
 

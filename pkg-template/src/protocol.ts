@@ -1,6 +1,6 @@
 import type { ErrorDetails } from './error.js';
 import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions, Progress, ReadOptions, SpectrumOptions } from './options.js';
-import type { Device, Laplacian, Match, Spectrum } from './results.js';
+import type { Device, Laplacian, Match, Spectrum, Stage } from './results.js';
 
 /** A shape on its way into the worker. */
 export type Source =
@@ -32,7 +32,8 @@ export interface Calls {
     ask: { a: Prepared['block']; b: Prepared['block']; options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'> };
     answer: Match;
   };
-  trap: { ask: object; answer: never };
+  lose: { ask: { stage: Stage }; answer: void };
+  trap: { ask: { waiting: boolean }; answer: never };
 }
 
 export type CallName = keyof Calls;
@@ -43,14 +44,15 @@ export type Call = { [N in CallName]: CallOf<N> }[CallName];
 /** Which device a matcher is to run on. */
 export type DeviceChoice = NonNullable<MatcherOptions['device']>;
 
-/** Messages to the worker. `start` comes once and first; then one `call` at a time. */
-export type ToWorker = { type: 'start'; module: WebAssembly.Module; device: DeviceChoice } | { type: 'call'; id: number; call: Call };
+/** Messages to the worker. `start` comes once and first; then one `call` at a time. `again` says that an earlier worker had this device. */
+export type ToWorker =
+  { type: 'start'; module: WebAssembly.Module; device: DeviceChoice; again: boolean } | { type: 'call'; id: number; call: Call };
 
-/** Messages from the worker. After `crashed` it must be ended. */
+/** Messages from the worker. After `crashed` it must be ended. `device` is the one in use by then, when it was opened. */
 export type FromWorker =
   | { type: 'ready' }
   | ({ type: 'progress'; id: number } & Progress)
-  | { type: 'done'; id: number; answer: Answer }
+  | { type: 'done'; id: number; answer: Answer; device: Device | undefined }
   | { type: 'failed'; id: number; error: { code: string; message: string; details: ErrorDetails } }
   | { type: 'crashed'; code: 'crashed' | 'out-of-memory'; message: string; details: ErrorDetails };
 

@@ -34,20 +34,23 @@ if ('DedicatedWorkerGlobalScope' in globalThis) {
 }
 
 let wanted: DeviceChoice = 'auto';
-let opened: Promise<raw.Device> | undefined;
+let again = false;
+let opened: raw.Device | undefined;
 
 /** The device, opened when it is first needed. */
-const device = (): Promise<raw.Device> => (opened ??= raw.open_device(wanted));
+async function device(): Promise<raw.Device> {
+  return (opened ??= await raw.open_device(wanted, again));
+}
 
 async function hear(message: ToWorker, post: Post): Promise<void> {
   try {
     if (message.type === 'start') {
       raw.initSync({ module: message.module });
-      wanted = message.device;
+      ({ device: wanted, again } = message);
       post({ type: 'ready' });
     } else {
       const answer = await answerTo(message.call, progressOf(message.id, post));
-      post({ type: 'done', id: message.id, answer }, buffersOf(answer));
+      post({ type: 'done', id: message.id, answer, device: opened?.info() }, buffersOf(answer));
     }
   } catch (error) {
     if (message.type === 'call' && isTyped(error)) {
@@ -82,8 +85,10 @@ async function answerTo(call: Call, progress: Progress): Promise<Answer> {
         ? on.match_pair_waiting(call.a, call.b, call.options, progress)
         : on.match_pair(call.a, call.b, call.options, progress);
     }
+    case 'lose':
+      return (await device()).lose_at(call.stage);
     case 'trap':
-      return raw.trap();
+      return call.waiting ? raw.trap_waiting() : raw.trap();
   }
 }
 

@@ -64,4 +64,45 @@ describe('a page in a browser with WebGPU, in software', () => {
       assert.ok(same >= 0.995, `${way}: ${same}`);
     }
   });
+
+  test('goes on with the CPU when the GPU is lost on the way, and with another one after that', async () => {
+    const told = await outcomeOf(`
+      import { lump } from './bodies.mjs';
+      const small = ${JSON.stringify(SMALL)};
+      const matcher = await Matcher.create({ device: 'webgpu' });
+      const lose = (stage) => matcher[Symbol.for('geose-fmap.lose')](stage);
+      await lose('features');
+      const a = await matcher.prepare(lump(), small);
+      const b = await matcher.prepare(lump({ frequency: 11, bend: 0.3 }), small);
+      await lose('refine');
+      const lost = await matcher.match(a, b);
+      const next = await matcher.match(a, b, { refine: 'none' });
+      window.outcome = { shapes: [a.info.fallback, b.info.fallback], lost: lost.report, targetOf: [...lost.targetOf], next: next.report, device: matcher.device };
+      matcher.dispose();
+    `);
+    assert.equal(told.shapes[0].stage, 'features');
+    assert.match(told.shapes[0].reason, /lost/);
+    assert.equal(told.shapes[1], null);
+    assert.equal(told.lost.device, 'webgpu');
+    assert.equal(told.lost.fallback.stage, 'refine');
+    assert.deepEqual(told.targetOf, expected.targetOf);
+    assert.equal(told.next.fallback, null);
+    assert.ok(told.next.gpu.dispatches > 0);
+    assert.equal(told.device.kind, 'webgpu');
+    assert.match(told.device.reason, /anew/);
+  });
+
+  test('a trap while the GPU is waited for is a crash, and the calls behind it go on', async () => {
+    const told = await outcomeOf(`
+      import { lump } from './bodies.mjs';
+      const matcher = await Matcher.create({ device: 'webgpu' });
+      const error = await matcher[Symbol.for('geose-fmap.trap')](true).catch((error) => error);
+      const a = await matcher.prepare(lump(), ${JSON.stringify(SMALL)});
+      window.outcome = { code: error.code, device: matcher.device, fallback: a.info.fallback };
+      matcher.dispose();
+    `);
+    assert.equal(told.code, 'crashed');
+    assert.equal(told.device.kind, 'webgpu');
+    assert.equal(told.fallback, null);
+  });
 });

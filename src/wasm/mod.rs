@@ -14,7 +14,7 @@ use web_time::Instant;
 use crate::error::Error;
 use crate::options::OptionError;
 use crate::prepared::PreparedShape;
-use crate::progress::Progress;
+use crate::progress::{Progress, Stage};
 use crate::read::Format;
 use crate::shape::Shape;
 use crate::{operators, spectrum as spectra};
@@ -119,12 +119,23 @@ pub fn trap() {
     core::arch::wasm32::unreachable()
 }
 
+/// Traps after it was waited for, where nobody is there to catch it.
+#[wasm_bindgen]
+pub async fn trap_waiting() {
+    let _ = wasm_bindgen_futures::JsFuture::from(js_sys::Promise::resolve(&JsValue::NULL)).await;
+    core::arch::wasm32::unreachable()
+}
+
 fn progress(listener: &Function) -> Progress<'_> {
     Progress::new(|stage, fraction| {
-        // A listener cannot stop a wasm call; what it throws is its own concern.
-        let _ = listener.call2(&JsValue::UNDEFINED, &stage.name().into(), &fraction.into());
+        tell(listener, stage, fraction);
         true
     })
+}
+
+/// A listener cannot stop a wasm call; what it throws is its own concern.
+fn tell(listener: &Function, stage: Stage, fraction: f64) {
+    let _ = listener.call2(&JsValue::UNDEFINED, &stage.name().into(), &fraction.into());
 }
 
 /// Options that are not what they should be, in a sentence.

@@ -38,15 +38,20 @@ export class Session {
     this.#setError('match', null);
     this.#store.set({ deviceChoice: choice, device: null });
     const [old, next] = [this.#matcher, createMatcher(choice)];
-    this.#matcher = next.catch(() => old);
+    const matcher = next.catch(() => old);
+    this.#matcher = matcher;
+    // A later choice may have overtaken this one by the time it is opened.
+    const current = () => this.#matcher === matcher;
     try {
-      this.#store.set({ device: (await next).device });
+      const { device } = await next;
       void old.then((matcher) => matcher.dispose());
+      if (current()) this.#store.set({ device });
     } catch (error) {
       const device = await old.then(
         (matcher) => matcher.device,
         () => null,
       );
+      if (!current()) return;
       this.#store.set({ deviceChoice: before, device });
       this.#setError('match', sentence(error));
     }
@@ -174,12 +179,15 @@ export class Session {
       this.#setStep(name, step);
     };
     try {
-      await work(await this.#matcher, {
+      const matcher = await this.#matcher;
+      await work(matcher, {
         signal: task.signal,
         onProgress: ({ stage, fraction }) => {
           if (!task.signal.aborted) this.#setStep(name, { status: 'running', stage, fraction, source });
         },
       });
+      // A GPU may have been lost on the way.
+      if (this.#store.get().device) this.#store.set({ device: matcher.device });
       if (task.signal.aborted) return 'ended';
       finish({ status: 'done' });
       return 'done';

@@ -13,7 +13,7 @@ export function showDevice(store: AppStore, session: Session): void {
   store.watch(['device', 'deviceChoice', 'steps'], (state) => {
     const { device, deviceChoice } = state;
     choice.value = deviceChoice;
-    choice.disabled = device === null || isBusy(state);
+    choice.disabled = isBusy(state);
     masthead.textContent = device ? shortly(device) : '';
     const words = device
       ? `${shortly(device)}${device.adapter ? ` (${device.adapter})` : ''}. ${asSentence(device.reason)}`
