@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use geose_fmap::{
-    Cpu, FaceUse, LaplacianKind, MatchOptions, PrepareOptions, Progress, Refinement, Shape, laplacian, match_shapes,
+    FaceUse, LaplacianKind, MatchOptions, PrepareOptions, Progress, Refinement, Shape, laplacian, match_shapes,
     prepare, read, spectrum,
 };
 
@@ -53,7 +53,7 @@ fn matching(c: &mut Criterion) {
         for refine in [Refinement::None, Refinement::ZoomOut, Refinement::Best] {
             let options = MatchOptions { refine, ..MatchOptions::default() };
             group.bench_function(BenchmarkId::new(format!("{refine:?}"), format!("faces {faces:?}")), |bench| {
-                bench.iter(|| pollster::block_on(match_shapes(&Cpu, &a, &b, &options, &mut Progress::silent())));
+                bench.iter(|| match_shapes(&a, &b, &options, &mut Progress::silent()));
             });
         }
     }

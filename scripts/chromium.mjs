@@ -18,6 +18,9 @@ export const switches = [
   ...(isRoot() ? ['--no-sandbox'] : []),
 ];
 
+/** Switches under which Chromium has WebGPU, in software, where there is no graphics card. */
+export const webgpu = ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader'];
+
 /**
  * Finds a browser (`CHROME`, then the PATH) and its driver (`CHROMEDRIVER`, then the PATH); installs Debian's when there is none.
  * `driver` is null when there is only a browser: wasm-pack then fetches the driver itself.
@@ -41,7 +44,7 @@ const findDriver = () => process.env.CHROMEDRIVER ?? which(['chromedriver']);
 const isDebians = (browser) => browser === '/usr/bin/chromium' && output('dpkg-query', ['-S', browser]) !== null;
 
 /** Tells wasm-bindgen's test runner, which reads this file in the crate's folder, how to start the browser. */
-export function writeWebdriver(browser) {
-  const capabilities = { 'goog:chromeOptions': { binary: browser, args: switches } };
+export function writeWebdriver(browser, more = []) {
+  const capabilities = { 'goog:chromeOptions': { binary: browser, args: [...switches, ...more] } };
   writeFileSync(path.join(root, 'webdriver.json'), `${JSON.stringify(capabilities, null, 2)}\n`);
 }

@@ -139,7 +139,7 @@ function linkedCrates() {
 }
 
 function metadata(platform) {
-  const text = output('cargo', ['metadata', '--format-version', '1', '--locked', '--filter-platform', platform]);
+  const text = output('cargo', ['metadata', '--format-version', '1', '--locked', '--features', 'gpu', '--filter-platform', platform]);
   if (text === null) throw new Failure('cargo metadata failed: is Cargo.lock up to date?');
   return JSON.parse(text);
 }

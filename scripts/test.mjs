@@ -1,8 +1,9 @@
 // Every test there is, one suite after the other; `npm test -- rust page` runs only those.
 import { readdirSync } from 'node:fs';
 import path from 'node:path';
+import { ensurePackages, isDebian } from './apt.mjs';
 import { check } from './check.mjs';
-import { ensureChromium, writeWebdriver } from './chromium.mjs';
+import { ensureChromium, webgpu, writeWebdriver } from './chromium.mjs';
 import { buildNative, nativeProgram } from './native.mjs';
 import { packPackage } from './package.mjs';
 import { Failure, environment, main, root, say } from './run.mjs';
@@ -10,6 +11,7 @@ import { serveSite } from './serve.mjs';
 import { buildSite } from './site.mjs';
 import { runSuite } from './suite.mjs';
 import { wasmEnvironment } from './toolchain.mjs';
+import { buildWasm } from './wasm.mjs';
 
 /** Each makes what it needs and resolves to `{ passed, failed, skipped }`. */
 const SUITES = {
@@ -23,17 +25,34 @@ const SUITES = {
 
 /** The crate natively. Tests that read evaluation sets run where there are some, and count as skipped elsewhere. */
 function testCrate() {
+  // A Vulkan driver in software; other systems bring one of their own.
+  if (isDebian()) ensurePackages(['libvulkan1', 'mesa-vulkan-drivers'], 'A Vulkan driver to test the GPU with is missing');
   const all = process.env.GEOSE_EVAL_DIR ? ['--', '--include-ignored'] : [];
-  return runSuite('cargo', ['test', '--locked', '--no-fail-fast', '--features', 'train', ...all], environment());
+  return runSuite('cargo', ['test', '--locked', '--no-fail-fast', '--features', 'train,gpu', ...all], environment());
 }
 
-/** The crate in a real browser. A release build, because the module has already made its dependencies. */
+/** The crate in a real browser, without WebGPU and with it. Release builds, because the module has already made their dependencies. */
 async function testInBrowser() {
   const { browser, driver } = ensureChromium();
-  writeWebdriver(browser);
   const drive = driver ? ['--chromedriver', driver] : [];
-  const args = ['test', '--release', '--headless', '--chrome', ...drive, '--', '--locked', '--test', 'wasm'];
-  return runSuite('wasm-pack', args, { ...wasmEnvironment(), WASM_BINDGEN_TEST_TIMEOUT: '600' });
+  const env = { ...wasmEnvironment(), WASM_BINDGEN_TEST_TIMEOUT: '600' };
+  const test = async (switches, args) => {
+    writeWebdriver(browser, switches);
+    return runSuite(
+      'wasm-pack',
+      ['test', '--release', '--headless', '--chrome', ...drive, '--', '--locked', '--features', 'gpu', ...args],
+      env,
+    );
+  };
+  const sizes = [await buildWasm('with WebGPU'), await buildWasm('without WebGPU')];
+  if (sizes[0].raw <= sizes[1].raw) throw new Failure('The module without WebGPU is no smaller than the one with it.');
+  // One build for both: a browser without WebGPU has to get along with a module that has it.
+  const runs = [await test([], ['--test', 'wasm']), await test(webgpu, ['--test', 'gpu_in_browser'])];
+  return runs.reduce((sum, counts) => ({
+    passed: sum.passed + counts.passed,
+    failed: sum.failed + counts.failed,
+    skipped: sum.skipped + counts.skipped,
+  }));
 }
 
 /** The tarball as customers install it: in Node, in bundlers, in a browser. */

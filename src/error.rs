@@ -5,6 +5,7 @@ use serde_json::json;
 use crate::operators::OperatorError;
 use crate::options::OptionError;
 use crate::prepared::BlockError;
+use crate::processor::DeviceError;
 use crate::progress::Cancelled;
 use crate::read::ReadError;
 use crate::shape::ShapeError;
@@ -26,6 +27,9 @@ pub enum Error {
     /// No eigenpairs can be found.
     #[error(transparent)]
     Spectrum(SpectrumError),
+    /// The device asked for is not there.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// An option has no meaning here.
     #[error(transparent)]
     Option(#[from] OptionError),
@@ -63,6 +67,7 @@ impl Error {
             Error::Shape(e) => e.code(),
             Error::Operator(e) => e.code(),
             Error::Spectrum(e) => e.code(),
+            Error::Device(e) => e.code(),
             Error::Option(e) => e.code(),
             Error::Block(e) => e.code(),
             Error::Cancelled(_) => "cancelled",
@@ -76,6 +81,7 @@ impl Error {
             Error::Shape(e) => e.details(),
             Error::Operator(_) => json!({}),
             Error::Spectrum(e) => e.details(),
+            Error::Device(e) => e.details(),
             Error::Option(e) => e.details(),
             Error::Block(e) => json!({ "reason": e.to_string() }),
             Error::Cancelled(e) => json!({ "stage": e.stage }),

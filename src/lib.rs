@@ -12,7 +12,7 @@
 //! it, the place says so and why.
 //!
 //! ```
-//! use geose_fmap::{Cpu, MatchOptions, PrepareOptions, Progress, Shape, match_shapes, prepare};
+//! use geose_fmap::{MatchOptions, PrepareOptions, Progress, Shape, match_shapes, prepare};
 //!
 //! // A bumpy, asymmetric egg, and the same egg lying on its side.
 //! let egg: Vec<[f64; 3]> = (0..400)
@@ -27,7 +27,7 @@
 //! let options = PrepareOptions { eigenpairs: 40, ..PrepareOptions::default() };
 //! let mut ready = |points| prepare(Shape::new(points, Vec::new(), None)?, None, &options, &mut Progress::silent());
 //! let (a, b) = (ready(egg)?, ready(lying)?);
-//! let matched = pollster::block_on(match_shapes(&Cpu, &a, &b, &MatchOptions::default(), &mut Progress::silent()))?;
+//! let matched = match_shapes(&a, &b, &MatchOptions::default(), &mut Progress::silent())?;
 //! let right = matched.a_to_b.target.iter().enumerate().filter(|&(i, &j)| i == j as usize).count();
 //! assert!(right > 390);
 //! # Ok::<(), geose_fmap::Error>(())
@@ -50,6 +50,7 @@ mod options;
 mod parts;
 mod pipeline;
 mod prepared;
+mod processor;
 mod progress;
 mod read;
 mod shape;
@@ -64,7 +65,7 @@ mod write;
 
 #[cfg(feature = "gpu")]
 pub use device::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
-pub use device::{Cpu, Device};
+pub use device::{Cpu, Device, Fallback};
 pub use error::Error;
 pub use features::{PointFeatures, ShapeInputs, wave_kernel_signature};
 pub use fmap::{
@@ -82,6 +83,7 @@ pub use options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOption
 pub use parts::PARTS;
 pub use pipeline::{Match, match_shapes, match_with, prepare, prepare_with};
 pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
+pub use processor::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse, Processor};
 pub use progress::{Cancelled, Progress, Stage};
 pub use read::{Format, ReadError, read};
 pub use shape::{Repair, Shape, ShapeError};

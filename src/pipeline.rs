@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use ndarray::{Array2, Axis as Along, concatenate};
 
-use crate::device::Device;
+use crate::device::{Cpu, Device, Fallback, Interrupted, still_well};
 use crate::error::Error;
 use crate::features::{ShapeInputs, wave_kernel_signature};
 use crate::fmap::{
@@ -16,6 +16,7 @@ use crate::model::{Model, PointEmbedding};
 use crate::operators::{self, Laplacian, LaplacianKind, Surface};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 use crate::prepared::{Info, PreparedShape, ShapeKind};
+use crate::processor::{DeviceKind, GpuUse};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::{
     Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, counted, farthest_points, set_crumbs_aside, support,
@@ -43,25 +44,32 @@ pub struct Match {
     pub warnings: Vec<String>,
     /// Name and version of the weights that took part; null when none did.
     pub weights: serde_json::Value,
+    /// Where and why the CPU took over from the device; nothing when it did not.
+    pub fallback: Option<Fallback>,
+    /// The device that it ran on, or began on.
+    pub device: DeviceKind,
+    /// What was asked of a GPU.
+    pub gpu: GpuUse,
 }
 
-/// Scan → graph → Laplacian → spectrum → features and parts.
+/// Scan → graph → Laplacian → spectrum → features and parts, on the CPU with the weights that ship.
 pub fn prepare(
     shape: Shape,
     name: Option<String>,
     options: &PrepareOptions,
     progress: &mut Progress,
 ) -> Result<PreparedShape, Error> {
-    prepare_with(Model::embedded(), shape, name, options, progress)
+    // Nothing on the CPU ever waits.
+    pollster::block_on(prepare_with(Model::embedded(), shape, name, options, progress))
 }
 
-/// [`prepare`] with other weights than those that ship.
-pub fn prepare_with(
-    model: &Model,
+/// [`prepare`] with other weights, or on another device.
+pub async fn prepare_with<D: Device>(
+    model: &Model<D>,
     shape: Shape,
     name: Option<String>,
     options: &PrepareOptions,
-    progress: &mut Progress,
+    progress: &mut Progress<'_>,
 ) -> Result<PreparedShape, Error> {
     let (mut prepared, operator_shape) = prepare_with_shape(shape, name, options, progress)?;
     progress.at(Stage::Features, 0.2)?;
@@ -73,10 +81,23 @@ pub fn prepare_with(
             .map_err(|_| Cancelled { stage: Stage::Features })?
     };
     progress.at(Stage::Features, 0.4)?;
-    prepared.embedding = Some(model.embed(&inputs));
+    prepared.embedding = Some(match embed(model, &inputs).await {
+        Ok(embedding) => embedding,
+        Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+        Err(Interrupted::Failed(fallback)) => {
+            prepared.info.fallback = Some(fallback);
+            model.on_cpu().embed(&inputs).await
+        }
+    });
     progress.at(Stage::Features, 1.0)?;
     prepared.info.seconds = progress.take_seconds();
     Ok(prepared)
+}
+
+async fn embed<D: Device>(model: &Model<D>, inputs: &ShapeInputs) -> Result<PointEmbedding, Interrupted> {
+    let embedding = model.embed(inputs).await;
+    still_well(model.device(), Stage::Features)?;
+    Ok(embedding)
 }
 
 /// All of [`prepare`] but the network, and the shape that operators were built on: its points are the carriers.
@@ -175,6 +196,7 @@ pub(crate) fn prepare_with_shape(
         eigenpairs: basis.k(),
         residual: report.residual,
         seconds: BTreeMap::new(),
+        fallback: None,
     };
     Ok((
         PreparedShape { shape: as_read, info, repairs, basis, support, coarse, surface, features, embedding: None },
@@ -182,33 +204,30 @@ pub(crate) fn prepare_with_shape(
     ))
 }
 
-/// Features of both → functional maps both ways → refinement → correspondence of every uploaded point.
-pub async fn match_shapes<D: Device>(
-    device: &D,
+/// Features of both → functional maps both ways → refinement → correspondence of every uploaded point, on the CPU with the weights that ship.
+pub fn match_shapes(
     a: &PreparedShape,
     b: &PreparedShape,
     options: &MatchOptions,
-    progress: &mut Progress<'_>,
+    progress: &mut Progress,
 ) -> Result<Match, Error> {
-    match_with(Model::embedded(), device, a, b, options, progress).await
+    pollster::block_on(match_with(Model::embedded(), a, b, options, progress))
 }
 
-/// [`match_shapes`] with other weights than those that ship.
+/// [`match_shapes`] with other weights, or on another device.
 pub async fn match_with<D: Device>(
-    model: &Model,
-    device: &D,
+    model: &Model<D>,
     a: &PreparedShape,
     b: &PreparedShape,
     options: &MatchOptions,
     progress: &mut Progress<'_>,
 ) -> Result<Match, Error> {
-    match_with_cues(model, device, a, b, options, progress).await.map(|(matched, _)| matched)
+    match_with_cues(model, a, b, options, progress).await.map(|(matched, _)| matched)
 }
 
 /// [`match_with`], and what confidence was judged by, from A to B and back, at the points used.
 pub(crate) async fn match_with_cues<D: Device>(
-    model: &Model,
-    device: &D,
+    model: &Model<D>,
     a: &PreparedShape,
     b: &PreparedShape,
     options: &MatchOptions,
@@ -219,64 +238,32 @@ pub(crate) async fn match_with_cues<D: Device>(
         Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
         Parts::Predicted | Parts::None => None,
     };
-    let (mut side_a, mut side_b) = (a.matchable(), b.matchable());
     let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
     let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
+    let sides = [a.matchable(), b.matchable()];
+    let [side_a, side_b] = &sides;
     let known = [
-        landmarks(a, b, &side_a, &side_b, &options.landmarks)?,
-        parts.map(|(of_a, of_b)| parts_in_common(&side_a, of_a, &side_b, of_b)),
+        landmarks(a, b, side_a, side_b, &options.landmarks)?,
+        parts.map(|(of_a, of_b)| parts_in_common(side_a, of_a, side_b, of_b)),
     ];
     let known = side_by_side(known.into_iter().flatten());
-    let known = known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
-    let mut candidates = Vec::new();
-    let mut familiarity = None;
-    if let (Some(of_a), Some(of_b)) = (&a.embedding, &b.embedding)
-        && [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.features)
-    {
-        let soft = masks(options.parts, of_a, of_b, parts);
-        let sides = [(&mut side_a, of_a), (&mut side_b, of_b)];
-        let (maps, at_home) = learned_maps(device, model, sides, soft, known).await;
-        familiarity = Some(at_home);
-        candidates.push(([side_a, side_b], maps, model.weights().named()));
-    }
-    if familiarity.is_none_or(|at_home| at_home.is_of_others()) {
-        let without = [a, b].map(|shape| Matchable { parts: None, ..shape.matchable() });
-        let maps = initial_maps(device, &without[0], &without[1], known, parts).await;
-        candidates.push((without, maps, serde_json::Value::Null));
-    }
+    let pair = Pair { shapes: [a, b], sides: &sides, known, parts };
 
-    // Whatever made it, a map between two poses of one body keeps lengths.
-    let mut best: Option<(f64, Refined, usize)> = None;
-    for (index, ([side_a, side_b], maps, _)) in candidates.iter().enumerate() {
-        let (pair, first) = ((side_a, side_b), maps.clone());
-        let refined = if index + 1 == candidates.len() {
-            refine(device, pair, first, parts, options.refine, progress).await?
-        } else {
-            // For who listens no stage comes twice.
-            let mut within = Progress::new(|_, _| progress.at(Stage::Refine, 0.0).is_ok());
-            let refined = refine(device, pair, first, parts, options.refine, &mut within).await;
-            refined.map_err(|_| Cancelled { stage: Stage::Refine })?
-        };
-        let strain = strain(side_a, side_b, &refined.a_to_b) + strain(side_b, side_a, &refined.b_to_a);
-        if best.as_ref().is_none_or(|(least, ..)| strain < *least) {
-            best = Some((strain, refined, index));
+    let (best, fallback) = match best_maps(model, &pair, options, progress).await {
+        Err(Interrupted::Failed(fallback)) => {
+            (best_maps(&model.on_cpu(), &pair, options, progress).await, Some(fallback))
         }
-    }
-    let (_, Refined { a_to_b, b_to_a, maps, cues }, index) =
-        best.expect("a pair without the network's map has the other");
-    let ([side_a, side_b], first, weights) = candidates.swap_remove(index);
-    let raw = match options.raw {
-        true => {
-            let mut unheard = Progress::silent();
-            let raw = refine(device, (&side_a, &side_b), first, parts, Refinement::None, &mut unheard).await?.a_to_b;
-            Some(lift(&raw, a, b, labels))
-        }
-        false => None,
+        best => (best, None),
+    };
+    let BestMaps { refined: Refined { a_to_b, b_to_a, maps, cues }, raw, familiarity, weights } = match best {
+        Ok(best) => best,
+        Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+        Err(Interrupted::Failed(_)) => unreachable!("the CPU does not fail"),
     };
     let untrained = familiarity.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
     warnings.extend(familiarity.and_then(|at_home| verdict(at_home, weights.is_null())));
-    warnings.extend(doubts(stretch(&side_a, &side_b, &a_to_b), &a_to_b.confidence));
+    warnings.extend(doubts(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) =
         (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
     for &[i, j] in &options.landmarks {
@@ -288,15 +275,90 @@ pub(crate) async fn match_with_cues<D: Device>(
     let matched = Match {
         a_to_b,
         b_to_a,
-        raw,
+        raw: raw.map(|raw| lift(&raw, a, b, labels)),
         c_ab: FunctionalMap { matrix: in_uploaded_units(maps.c_ab, a, b) },
         c_ba: FunctionalMap { matrix: in_uploaded_units(maps.c_ba, b, a) },
         seconds: progress.take_seconds(),
         points_used: [side_a.len(), side_b.len()],
         warnings,
         weights,
+        fallback,
+        device: DeviceKind::Cpu,
+        gpu: GpuUse::default(),
     };
     Ok((matched, cues))
+}
+
+/// What a match starts from. It stays with the CPU, so that whatever becomes of a device nothing is lost.
+struct Pair<'a> {
+    shapes: [&'a PreparedShape; 2],
+    sides: &'a [Matchable; 2],
+    known: Option<Functions>,
+    parts: Option<(&'a [u32], &'a [u32])>,
+}
+
+/// What a match ends with, at the points used.
+struct BestMaps {
+    refined: Refined,
+    raw: Option<Correspondence>,
+    familiarity: Option<Familiarity>,
+    weights: serde_json::Value,
+}
+
+/// The part of a match that runs on the device: first maps, as many as there are hypotheses, each refined, and the best of them.
+async fn best_maps<D: Device>(
+    model: &Model<D>,
+    pair: &Pair<'_>,
+    options: &MatchOptions,
+    progress: &mut Progress<'_>,
+) -> Result<BestMaps, Interrupted> {
+    let Pair { shapes: [a, b], sides, parts, .. } = *pair;
+    let [side_a, side_b] = sides;
+    let device = model.device();
+    let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
+    let mut candidates = Vec::new();
+    let mut familiarity = None;
+    if let (Some(of_a), Some(of_b)) = (&a.embedding, &b.embedding)
+        && [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.features)
+    {
+        let soft = masks(options.parts, of_a, of_b, parts);
+        let learned = learned_maps(model, [(side_a, of_a), (side_b, of_b)], &soft, known).await?;
+        familiarity = Some(learned.familiarity);
+        candidates.push((sides, learned.maps, Some(learned.extra), model.weights().named()));
+    }
+    let without;
+    if familiarity.is_none_or(|at_home| at_home.is_of_others()) {
+        // Many steps on few points: a device would mostly wait.
+        let maps = initial_maps(&Cpu, side_a, side_b, known, parts).await;
+        without = sides.clone().map(|side| Matchable { parts: None, ..side });
+        candidates.push((&without, maps, None, serde_json::Value::Null));
+    }
+
+    // Whatever made it, a map between two poses of one body keeps lengths.
+    let mut best: Option<(f64, Refined, usize)> = None;
+    for (index, (sides, maps, extra, _)) in candidates.iter().enumerate() {
+        let ([side_a, side_b], first, extra) = (sides, maps.clone(), extra.as_ref());
+        let refined = if index + 1 == candidates.len() {
+            refine(device, (side_a, side_b), first, extra, parts, options.refine, progress).await?
+        } else {
+            // For who listens no stage comes twice.
+            let mut within = Progress::new(|_, _| progress.at(Stage::Refine, 0.0).is_ok());
+            refine(device, (side_a, side_b), first, extra, parts, options.refine, &mut within).await?
+        };
+        let strain = strain(side_a, side_b, &refined.a_to_b) + strain(side_b, side_a, &refined.b_to_a);
+        if best.as_ref().is_none_or(|(least, ..)| strain < *least) {
+            best = Some((strain, refined, index));
+        }
+    }
+    let (_, refined, index) = best.expect("a pair without the network's map has the other");
+    let ([side_a, side_b], first, extra, weights) = candidates.swap_remove(index);
+    let raw = if options.raw {
+        let (unheard, extra) = (&mut Progress::silent(), extra.as_ref());
+        Some(refine(device, (side_a, side_b), first, extra, parts, Refinement::None, unheard).await?.a_to_b)
+    } else {
+        None
+    };
+    Ok(BestMaps { refined, raw, familiarity, weights })
 }
 
 /// Probabilities of parts (p, c) on both sides that attention masks with: predicted, given labels as ones and noughts, or one part for all.

@@ -10,6 +10,7 @@ use ndarray::{Array1, Array2, ArrayView1, Axis};
 use safetensors::tensor::{Dtype, SafeTensors, View, serialize};
 use serde::{Deserialize, Serialize};
 
+use crate::device::Fallback;
 use crate::fmap::Matchable;
 use crate::model::PointEmbedding;
 use crate::operators::{LaplacianKind, Surface};
@@ -52,6 +53,8 @@ pub struct Info {
     pub residual: f64,
     /// Seconds per stage.
     pub seconds: BTreeMap<String, f64>,
+    /// Where and why the CPU took over from the device; nothing when it did not.
+    pub fallback: Option<Fallback>,
 }
 
 /// Mesh or cloud.
@@ -134,7 +137,7 @@ impl PreparedShape {
         };
         let (features, coarse, surface) = (self.features.clone(), self.coarse.clone(), self.surface.clone());
         let parts = self.embedding.as_ref().map(|embedding| embedding.parts.clone());
-        Matchable { basis, points, features, extra: None, parts, coarse, surface }
+        Matchable { basis, points, features, parts, coarse, surface }
     }
 
     /// The predicted part of each uploaded point, an index into [`crate::PARTS`]; nothing when no network was asked.

@@ -30,7 +30,7 @@ fn agrees(gpu: &Gpu, rows: usize, scale: f32) {
     let (results, counters) = counted(gpu, || block_on(gpu.agreement(rows, scale)));
     assert_eq!(gpu.failure(), None);
     assert!(counters.dispatches >= 26, "{rows} rows: only {} dispatches ran", counters.dispatches);
-    assert_eq!(results.len(), 22, "kernels compared");
+    assert_eq!(results.len(), 23, "kernels compared");
     for result in &results {
         println!("{rows:>5} rows, values up to {scale:e}: {:<30} {:.1e}", result.kernel, result.error);
     }
@@ -237,6 +237,16 @@ fn a_matrix_too_large_to_bind_is_a_failure_and_not_a_panic() {
     let failure = gpu.failure().expect("a failure");
     assert!(failure.contains("MiB"), "{failure}");
     assert_eq!(block_on(gpu.download(&long)), Array2::<f32>::zeros((40_000, 1)));
+}
+
+#[test]
+fn work_that_the_device_refuses_is_a_failure_by_the_next_download() {
+    let (gpu, other) = (gpu(), gpu());
+    let foreign = other.upload(wavy(30, 30, 0.0).view());
+    assert_eq!(block_on(gpu.download(&gpu.relu(&foreign))), Array2::<f32>::zeros((30, 30)));
+    let failure = gpu.failure().expect("a failure");
+    assert!(failure.contains("refused"), "{failure}");
+    assert_eq!(other.failure(), None);
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! The command line measures what the protocol says, and refuses what it cannot measure in a sentence.
+#![cfg(not(target_arch = "wasm32"))]
 
 mod shapes;
 

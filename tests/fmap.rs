@@ -6,8 +6,8 @@ mod shapes;
 use std::sync::LazyLock;
 
 use geose_fmap::{
-    Cpu, EdgeDistances, FaceUse, FunctionalMap, LaplacianKind, Match, MatchOptions, Parts, PrepareOptions,
-    PreparedShape, Progress, Refinement, Shape, match_shapes, mean_error,
+    EdgeDistances, FaceUse, FunctionalMap, LaplacianKind, Match, MatchOptions, Parts, PrepareOptions, PreparedShape,
+    Progress, Refinement, Shape, match_shapes, mean_error,
 };
 use ndarray::{Array1, Array2, Axis};
 use shapes::{Random, blob, body, icosphere, prepared, soup};
@@ -29,7 +29,7 @@ static PAIR: LazyLock<[PreparedShape; 2]> = LazyLock::new(|| {
 static FOUND: LazyLock<Match> = LazyLock::new(|| matched(&PAIR[0], &PAIR[1], &MatchOptions::default()));
 
 fn matched(a: &PreparedShape, b: &PreparedShape, options: &MatchOptions) -> Match {
-    pollster::block_on(match_shapes(&Cpu, a, b, options, &mut Progress::silent())).expect("a match")
+    match_shapes(a, b, options, &mut Progress::silent()).expect("a match")
 }
 
 /// Error (×100/√area) of a map whose truth is "same index".

@@ -2,7 +2,10 @@
 //! `--enable-unsafe-webgpu --use-webgpu-adapter=swiftshader`.
 #![cfg(all(feature = "gpu", target_arch = "wasm32"))]
 
-use geose_fmap::{Device, Gpu, GpuOptions};
+use geose_fmap::{
+    Device, DeviceChoice, DeviceKind, Gpu, GpuOptions, MatchOptions, Model, PrepareOptions, PreparedShape, Processor,
+    Progress, Stage, match_shapes, match_with, prepare, prepare_with, read,
+};
 use ndarray::Array2;
 use wasm_bindgen_test::{console_log, wasm_bindgen_test, wasm_bindgen_test_configure};
 
@@ -57,4 +60,86 @@ async fn a_device_that_is_lost_in_the_middle_says_so_and_gives_zeros() {
         assert!(failure.contains("lost"), "lost at moment {moment}: {failure}");
         assert_eq!(gpu.download(&gpu.relu(&b)).await, Array2::<f32>::zeros((300, 300)));
     }
+}
+
+/// Both samples, with few points because a GPU in software is slow.
+fn samples() -> [PreparedShape; 2] {
+    SAMPLES.map(|bytes| {
+        let scan = read(bytes, None, None).expect("a scan");
+        prepare(scan, None, &few(), &mut Progress::silent()).expect("prepared")
+    })
+}
+
+const SAMPLES: [&[u8]; 2] = [
+    include_bytes!("../www/public/samples/woman-standing.ply"),
+    include_bytes!("../www/public/samples/man-lunging.ply"),
+];
+
+fn few() -> PrepareOptions {
+    PrepareOptions { points: 400, eigenpairs: 40, ..PrepareOptions::default() }
+}
+
+async fn model() -> Model<Gpu> {
+    Model::on(Model::embedded().weights().clone(), gpu().await).expect("the weights that ship")
+}
+
+#[wasm_bindgen_test]
+async fn a_match_is_that_of_the_cpu_and_a_lost_device_is_replaced() {
+    let [a, b] = samples();
+    let options = MatchOptions::default();
+    let expected = match_shapes(&a, &b, &options, &mut Progress::silent()).expect("matched");
+    let same = |found: &[u32]| {
+        let same = found.iter().zip(&expected.a_to_b.target).filter(|(f, e)| f == e).count();
+        same as f64 / found.len() as f64
+    };
+    let auto = Processor::open(Model::embedded(), DeviceChoice::Auto).await.expect("some device");
+    assert_eq!(auto.info().kind, DeviceKind::Cpu);
+    assert!(auto.info().reason.contains("software"), "{:?}", auto.info());
+    let mut on_gpu = Processor::open(Model::embedded(), DeviceChoice::Webgpu).await.expect("a GPU");
+    for lost in [false, true] {
+        if lost {
+            let gpu = on_gpu.gpu().expect("a GPU");
+            gpu.destroy();
+            // A browser tells of it when it is next waited for.
+            gpu.download(&gpu.upload(Array2::ones((1, 1)).view())).await;
+        }
+        let found = on_gpu.match_shapes(&a, &b, &options, &mut Progress::silent()).await.expect("matched");
+        console_log!("{:?}: {:?}", on_gpu.info(), found.gpu);
+        assert_eq!((found.device, &found.fallback), (DeviceKind::Webgpu, &None));
+        assert!(found.gpu.dispatches > 100, "{:?}", found.gpu);
+        assert!(same(&found.a_to_b.target) >= 0.995);
+        assert_eq!(on_gpu.info().reason.contains("lost"), lost);
+    }
+}
+
+#[wasm_bindgen_test]
+async fn a_device_destroyed_in_any_stage_leaves_the_map_of_the_cpu() {
+    let [a, b] = samples();
+    let options = MatchOptions::default();
+    let expected = match_shapes(&a, &b, &options, &mut Progress::silent()).expect("matched");
+    for stage in [Stage::FunctionalMap, Stage::Refine, Stage::Correspondence] {
+        let model = model().await;
+        let mut progress = Progress::new(|now, _| {
+            if now == stage {
+                model.device().destroy();
+            }
+            true
+        });
+        let found = match_with(&model, &a, &b, &options, &mut progress).await.expect("matched");
+        let fallback = found.fallback.expect("the CPU took over");
+        console_log!("{fallback:?}");
+        assert_eq!(fallback.stage, stage);
+        assert_eq!((&found.a_to_b, &found.b_to_a), (&expected.a_to_b, &expected.b_to_a), "lost in {stage:?}");
+    }
+    let model = model().await;
+    let mut progress = Progress::new(|now, _| {
+        if now == Stage::Features {
+            model.device().destroy();
+        }
+        true
+    });
+    let scan = read(SAMPLES[0], None, None).expect("a scan");
+    let prepared = prepare_with(&model, scan, None, &few(), &mut progress).await.expect("prepared");
+    assert_eq!(prepared.info.fallback.as_ref().expect("the CPU took over").stage, Stage::Features);
+    assert_eq!(prepared.embedding, a.embedding);
 }

@@ -1,9 +1,10 @@
 //! What the network knows, what it does not, and that it says so.
+#![cfg(not(target_arch = "wasm32"))]
 
 mod shapes;
 
 use geose_fmap::{
-    Cpu, MatchOptions, Model, PARTS, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Weights,
+    MatchOptions, Model, PARTS, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Weights,
     match_shapes,
 };
 
@@ -24,8 +25,7 @@ fn labels(shape: &Shape) -> Vec<u32> {
 }
 
 fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
-    let matched = pollster::block_on(match_shapes(&Cpu, a, b, &MatchOptions::default(), &mut Progress::silent()))
-        .expect("matched");
+    let matched = match_shapes(a, b, &MatchOptions::default(), &mut Progress::silent()).expect("matched");
     matched.warnings
 }
 
@@ -112,7 +112,7 @@ fn parts_that_were_not_asked_for_change_nothing() {
     let (mut a, b) = (prepared(body("woman-standing.ply"), &options()), prepared(body("man-lunging.ply"), &options()));
     let found = |a: &PreparedShape, parts: Parts| {
         let options = MatchOptions { parts, refine: Refinement::None, ..MatchOptions::default() };
-        pollster::block_on(match_shapes(&Cpu, a, &b, &options, &mut Progress::silent())).expect("matched").a_to_b.target
+        match_shapes(a, &b, &options, &mut Progress::silent()).expect("matched").a_to_b.target
     };
     let (without, with) = (found(&a, Parts::None), found(&a, Parts::Predicted));
     // The sides exchanged, as sure as before, so that the pair is as familiar.

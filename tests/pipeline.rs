@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use geose_fmap::{
-    BlockError, Correspondence, Cpu, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, PARTS, Parts,
+    BlockError, Correspondence, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, PARTS, Parts,
     PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
     prepare, read,
 };
@@ -23,7 +23,7 @@ fn matched(a: &PreparedShape, b: &PreparedShape) -> Match {
 }
 
 fn matched_with(a: &PreparedShape, b: &PreparedShape, options: &MatchOptions) -> Result<Match, Error> {
-    pollster::block_on(match_shapes(&Cpu, a, b, options, &mut Progress::silent()))
+    match_shapes(a, b, options, &mut Progress::silent())
 }
 
 fn as_cloud() -> PrepareOptions {
@@ -167,9 +167,7 @@ fn every_stage_is_heard_of_and_a_stop_there_stops() {
     assert_stops(&stages, |progress| prepare(shape.clone(), None, &options, progress).map(|_| ()));
     let options = MatchOptions::default();
     let stages = [Stage::FunctionalMap, Stage::Refine, Stage::Correspondence];
-    assert_stops(&stages, |progress| {
-        pollster::block_on(match_shapes(&Cpu, &whole, &whole, &options, progress)).map(|_| ())
-    });
+    assert_stops(&stages, |progress| match_shapes(&whole, &whole, &options, progress).map(|_| ()));
 }
 
 #[test]

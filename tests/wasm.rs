@@ -75,7 +75,7 @@ fn a_body_matches_its_turned_copy_point_for_point_and_twice_the_same() {
     let (a, b) = (prepared(original.shape(), &options), prepared(turned.shape(), &options));
     let run = || {
         let (options, mut progress) = (MatchOptions::default(), Progress::silent());
-        pollster::block_on(match_shapes(&Cpu, &a, &b, &options, &mut progress)).expect("a match").a_to_b
+        match_shapes(&a, &b, &options, &mut progress).expect("a match").a_to_b
     };
     let map = run();
     let right = map.target.iter().enumerate().filter(|&(i, &j)| i == j as usize).count();
@@ -84,8 +84,14 @@ fn a_body_matches_its_turned_copy_point_for_point_and_twice_the_same() {
     assert_eq!((map.target, map.confidence), (again.target, again.confidence));
 }
 
+/// The network on the CPU.
+async fn on_cpu() -> wasm::Device {
+    wasm::open_device("cpu".into()).await.expect("the CPU")
+}
+
 #[wasm_bindgen_test]
-fn two_sample_bodies_match_through_the_bindings_with_every_stage_told() {
+async fn two_sample_bodies_match_through_the_bindings_with_every_stage_told() {
+    let mut device = on_cpu().await;
     let told = Array::new();
     let listener = {
         let told = told.clone();
@@ -98,14 +104,14 @@ fn two_sample_bodies_match_through_the_bindings_with_every_stage_told() {
     };
     let listener: &Function = listener.as_ref().unchecked_ref();
     let options = JSON::parse(r#"{ "points": 1000, "eigenpairs": 60 }"#).expect("JSON");
-    let block = |bytes: &[u8]| {
+    let mut block = |bytes: &[u8]| {
         let scan = wasm::read_file(bytes, Some("body.ply".into()), None).expect("a scan");
-        wasm::prepare(scan, options.clone(), listener).expect("a block")
+        device.prepare(scan, options.clone(), listener).expect("a block")
     };
     let (woman, man) = (block(WOMAN), block(MAN));
     assert_eq!(String::from(told.join(" ")), ["sample laplacian spectrum features"; 2].join(" "));
     told.set_length(0);
-    let matched = wasm::match_pair(&woman, &man, JsValue::UNDEFINED, listener).expect("a match");
+    let matched = device.match_pair(woman, man, JsValue::UNDEFINED, listener).expect("a match");
     assert_eq!(String::from(told.join(" ")), "functional-map refine correspondence");
 
     let target: Uint32Array = get(&matched, "targetOf");
@@ -123,17 +129,18 @@ fn two_sample_bodies_match_through_the_bindings_with_every_stage_told() {
 }
 
 #[wasm_bindgen_test]
-fn an_error_is_a_plain_object_with_a_code_a_sentence_and_numbers() {
-    let silent = Function::new_no_args("");
+async fn an_error_is_a_plain_object_with_a_code_a_sentence_and_numbers() {
+    let (mut device, silent) = (on_cpu().await, Function::new_no_args(""));
+    let unread = device.match_pair(vec![1, 2, 3], Vec::new(), JsValue::UNDEFINED, &silent).err();
     let small = || wasm::read_arrays(icosphere(2).points.as_flattened(), None, None, None);
-    let ready = |options: &str| small().and_then(|scan| wasm::prepare(scan, JSON::parse(options)?, &silent));
+    let mut ready = |options: &str| small().and_then(|scan| device.prepare(scan, JSON::parse(options)?, &silent));
     let failures = [
         ("too-few-points", wasm::read_arrays(&[0.0; 30], None, None, None).err()),
         ("ragged-array", wasm::read_arrays(&[0.0; 301], None, None, None).err()),
         ("truncated-file", wasm::read_file(&WOMAN[..WOMAN.len() / 2], None, None).err()),
         ("invalid-option", ready(r#"{ "eigenparis": 20 }"#).err()),
         ("invalid-option", ready(r#"{ "eigenpairs": 3 }"#).err()),
-        ("invalid-block", wasm::match_pair(&[1, 2, 3], &[], JsValue::UNDEFINED, &silent).err()),
+        ("invalid-block", unread),
     ];
     for (code, failure) in failures {
         let failure = failure.unwrap_or_else(|| panic!("{code}: no error"));

@@ -17,6 +17,8 @@ export type ErrorCode =
   | 'freed'
   /** The device asked for is not part of this build. */
   | 'device-not-in-build'
+  /** WebGPU was asked for, and there is none or none that computes rightly. */
+  | 'device-unavailable'
   /** The wasm file could not be fetched or compiled. */
   | 'wasm-unavailable'
   /** The worker file could not be fetched or started. */

@@ -1,7 +1,7 @@
-// What wasm-pack puts into geose_fmap.js, typed as tightly as the crate promises it. All of it is synchronous; a typed
+// What wasm-pack puts into geose_fmap.js, typed as tightly as the crate promises it. All of it but the GPU is synchronous; a typed
 // error is a plain `{ code, message, details }`, anything else thrown is a trap.
-import type { Laplacian, LaplacianKind, Match, Spectrum, Stage } from './results.js';
-import type { MatchOptions, PrepareOptions } from './options.js';
+import type { Device as DeviceInfo, Laplacian, LaplacianKind, Match, Spectrum, Stage } from './results.js';
+import type { MatcherOptions, MatchOptions, PrepareOptions } from './options.js';
 
 type Bytes = Uint8Array<ArrayBuffer>;
 type Progress = (stage: Stage, fraction: number) => void;
@@ -20,12 +20,26 @@ export function read_arrays(
   labels: Uint32Array | undefined,
   name: string | undefined,
 ): RawShape;
-/** Consumes `shape`, also when it throws. */
-export function prepare(
-  shape: RawShape,
-  options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>,
-  progress: Progress,
-): Bytes;
+/** Opens the device; rejects with a typed error where it is insisted on and not there. `again` opens one that was opened before, or else goes on without it. */
+export function open_device(choice: NonNullable<MatcherOptions['device']>, again: boolean): Promise<Device>;
+
+type PrepareGiven = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>;
+type MatchGiven = Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>;
+
+/** The network on a device. */
+export class Device {
+  info(): DeviceInfo;
+  /** Whether calls have to be waited for; the others need not be. */
+  waits(): boolean;
+  /** Loses a GPU in a stage of the next call, to test recovery with. */
+  lose_at(stage: Stage): void;
+  /** Consumes `shape`, also when it throws. */
+  prepare(shape: RawShape, options: PrepareGiven, progress: Progress): Bytes;
+  prepare_waiting(shape: RawShape, options: PrepareGiven, progress: Progress): Promise<Bytes>;
+  match_pair(a: Uint8Array, b: Uint8Array, options: MatchGiven, progress: Progress): Match;
+  match_pair_waiting(a: Uint8Array, b: Uint8Array, options: MatchGiven, progress: Progress): Promise<Match>;
+}
+
 /** Consumes `shape`, also when it throws. */
 export function laplacian(shape: RawShape, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
 export function laplacian_of_prepared(block: Uint8Array, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
@@ -37,12 +51,6 @@ export function spectrum(
   options: { eigenpairs?: number | undefined },
   progress: Progress,
 ): Spectrum;
-export function match_pair(
-  a: Uint8Array,
-  b: Uint8Array,
-  options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>,
-  progress: Progress,
-): Match;
 export function version(): string;
 /** Size of the wasm memory. */
 export function memory_bytes(): number;
@@ -52,3 +60,5 @@ export function refused_bytes(): number;
 export function last_panic(): string | undefined;
 /** A real trap, to test recovery with. */
 export function trap(): never;
+/** The same after waiting: the promise never settles. */
+export function trap_waiting(): Promise<never>;

@@ -1,6 +1,7 @@
 import { GeoSeError } from './error.js';
 import type { CallOptions } from './options.js';
-import type { Call, CallName, CallOf, Calls, FromWorker } from './protocol.js';
+import type { Call, CallName, CallOf, Calls, DeviceChoice, FromWorker } from './protocol.js';
+import type { Device } from './results.js';
 import type { Spawn, Thread } from './thread.js';
 
 /** A call that has not been settled. */
@@ -21,6 +22,9 @@ interface Job {
  */
 export class WorkerHost {
   readonly #module: WebAssembly.Module;
+  #choice: DeviceChoice;
+  /** The one in use, once it was opened. */
+  #device: Device | undefined;
   readonly #spawn: Spawn;
   /** The first one runs, the others wait. */
   readonly #jobs: Job[] = [];
@@ -28,11 +32,20 @@ export class WorkerHost {
   /** Whether the thread has ever said anything. */
   #ready = false;
   #lastId = 0;
+  /** Why the CPU took the place of a GPU, when one crashed. */
+  #withoutGpu: string | undefined;
   #disposed = false;
 
-  constructor(module: WebAssembly.Module, spawn: Spawn) {
+  constructor(module: WebAssembly.Module, device: DeviceChoice, spawn: Spawn) {
     this.#module = module;
+    this.#choice = device;
     this.#spawn = spawn;
+  }
+
+  /** The device in use. */
+  get device(): Device {
+    if (!this.#device) throw new Error('no device was opened yet');
+    return this.#device;
   }
 
   /** Settles once. The buffers in `transfer` move to the worker: they must be private copies. */
@@ -91,9 +104,11 @@ export class WorkerHost {
     this.#ready = false;
     const thread = this.#spawn({
       message: (message) => this.#hear(message),
-      died: (reason) => this.#end(this.#ready ? crashed(reason) : unavailable(reason)),
+      died: (reason) => (this.#ready ? this.#crash(crashed(reason)) : this.#end(unavailable(reason))),
     });
-    thread.post({ type: 'start', module: this.#module });
+    // A choice that ended with the CPU is made anew: no GPU was found good.
+    const again = this.#device !== undefined && (this.#choice === 'webgpu' || this.#device.kind === 'webgpu');
+    thread.post({ type: 'start', module: this.#module, device: this.#choice, again });
     return thread;
   }
 
@@ -105,13 +120,29 @@ export class WorkerHost {
   #hear(message: FromWorker): void {
     this.#ready = true;
     if (message.type === 'ready') return;
-    if (message.type === 'crashed') return this.#end(new GeoSeError(message.code, message.message, message.details));
+    if (message.type === 'crashed') return this.#crash(new GeoSeError(message.code, message.message, message.details));
     const job = this.#jobs[0];
     if (job?.id !== message.id) return;
     if (message.type === 'progress') return tell(job, message);
     this.#remove(job);
-    if (message.type === 'done') job.resolve(message.answer);
-    else job.reject(new GeoSeError(message.error.code, message.error.message, message.error.details));
+    if (message.type === 'done') {
+      if (message.device) this.#device = { ...message.device, reason: this.#withoutGpu ?? message.device.reason };
+      job.resolve(message.answer);
+    } else job.reject(new GeoSeError(message.error.code, message.error.message, message.error.details));
+  }
+
+  /** A crash while a GPU was opened or used may be that of its driver: who left the choice to the package goes on without it. */
+  #crash(error: GeoSeError): void {
+    const opening = this.#device === undefined;
+    if (this.#choice === 'auto' && this.#device?.kind !== 'cpu') {
+      this.#choice = 'cpu';
+      this.#withoutGpu = `there is a GPU, with which ${error.message}`;
+      if (opening) {
+        this.#stop();
+        return this.#begin();
+      }
+    }
+    this.#end(error);
   }
 
   #cancel(job: Job, error: GeoSeError): void {

@@ -22,6 +22,7 @@ export {
   type Axis,
   type Device,
   type DirectedMap,
+  type Fallback,
   type FunctionalMap,
   type Geometry,
   type Laplacian,

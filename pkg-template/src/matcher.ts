@@ -1,6 +1,5 @@
 /// <reference lib="esnext.disposable" preserve="true" />
 import { disposable } from './disposable.js';
-import { GeoSeError } from './error.js';
 import { WorkerHost } from './host.js';
 import { isObject, laplacianOf, nothingElse, optionsOf, sourceOf, wrong } from './input.js';
 import type {
@@ -14,43 +13,47 @@ import type {
 } from './options.js';
 import { blockOf, PreparedShape, preparedFrom } from './prepared.js';
 import { buffersOf, type Prepared, type Source } from './protocol.js';
-import type { Device, Laplacian, Match, Spectrum } from './results.js';
+import type { Device, Laplacian, Match, Spectrum, Stage } from './results.js';
 import { spawner } from './thread.js';
 import { compile } from './wasm.js';
+
+const DEVICES: readonly unknown[] = ['auto', 'cpu', 'webgpu'];
 
 /**
  * Finds which point of one scan is which point of another. One worker does the work, one call after another. Inputs are
  * copied when a call is made; results belong to the caller. Every rejection is a `GeoSeError`.
  */
 export class Matcher {
-  /** Where the work happens, and why there. */
-  readonly device: Device;
   readonly #host: WorkerHost;
 
   static {
     disposable(Matcher.prototype, 'dispose');
   }
 
-  private constructor(host: WorkerHost, device: Device) {
+  private constructor(host: WorkerHost) {
     this.#host = host;
-    this.device = device;
   }
 
-  /** Loads the wasm and starts the worker. In Node the worker keeps the process alive only while a call is open. */
+  /** Where the work happens, and why there. Changes when a GPU is lost, or comes back. */
+  get device(): Device {
+    return this.#host.device;
+  }
+
+  /** Loads the wasm, starts the worker and opens the device. In Node the worker keeps the process alive only while a call is open. */
   static async create(options: MatcherOptions = {}): Promise<Matcher> {
     if (!isObject(options)) throw wrong('the options', 'an object', options);
     const { device = 'auto', wasm, worker, ...rest } = options;
     nothingElse('the options', rest, ['device', 'wasm', 'worker']);
-    const chosen = choose(device);
+    if (!DEVICES.includes(device)) throw wrong('device', "'auto', 'cpu' or 'webgpu'", device);
     const [module, spawn] = await Promise.all([compile(wasm), spawner(worker)]);
-    const host = new WorkerHost(module, spawn);
+    const host = new WorkerHost(module, device, spawn);
     try {
-      await host.run<'version'>({ name: 'version' });
+      await host.run<'device'>({ name: 'device' });
     } catch (error) {
       host.dispose();
       throw error;
     }
-    return new Matcher(host, chosen);
+    return new Matcher(host);
   }
 
   /** Reads a scan, a file or arrays, and computes everything a match needs to know of it. */
@@ -89,27 +92,19 @@ export class Matcher {
     this.#host.dispose();
   }
 
-  /** @internal For tests: traps inside the wasm. */
-  async [Symbol.for('geose-fmap.trap')](): Promise<never> {
-    return this.#host.run<'trap'>({ name: 'trap' });
+  /** @internal For tests: traps inside the wasm, at once or while it is waited for. */
+  async [Symbol.for('geose-fmap.trap')](waiting = false): Promise<never> {
+    return this.#host.run<'trap'>({ name: 'trap', waiting });
+  }
+
+  /** @internal For tests: loses the GPU in a stage of the next call. */
+  async [Symbol.for('geose-fmap.lose')](stage: Stage): Promise<void> {
+    return this.#host.run<'lose'>({ name: 'lose', stage });
   }
 }
 
 /** `using` disposes of a matcher, where the engine knows `Symbol.dispose`. */
 export interface Matcher extends Disposable {}
-
-function choose(device: MatcherOptions['device']): Device {
-  switch (device) {
-    case 'auto':
-      return { kind: 'cpu', reason: 'this build has no WebGPU device, so everything runs on the CPU' };
-    case 'cpu':
-      return { kind: 'cpu', reason: 'asked for' };
-    case 'webgpu':
-      throw new GeoSeError('device-not-in-build', "this build has no WebGPU device: use 'auto' or 'cpu'", { device });
-    default:
-      throw wrong('device', "'auto', 'cpu' or 'webgpu'", device);
-  }
-}
 
 /** The scan on its way into the worker, and the options that are not about reading it. */
 function sourceAnd<T extends ReadOptions>(

@@ -5,7 +5,10 @@ export type WasmSource = string | URL | Response | Promise<Response> | ArrayBuff
 
 /** How a matcher is made. */
 export interface MatcherOptions {
-  /** `'auto'` (default) takes the best device there is; the others insist. */
+  /**
+   * `'auto'` (default) takes a graphics card where WebGPU has one that computes rightly, else the CPU. `'cpu'` gives the same bytes everywhere. `'webgpu'`
+   * insists, also on an adapter in software, and rejects with `'device-unavailable'` without one.
+   */
   device?: 'auto' | 'cpu' | 'webgpu' | undefined;
   /** Instead of `geose_fmap_bg.wasm` beside the package's own files. */
   wasm?: WasmSource | undefined;

@@ -1,6 +1,6 @@
 import type { ErrorDetails } from './error.js';
-import type { LaplacianOptions, MatchOptions, PrepareOptions, Progress, ReadOptions, SpectrumOptions } from './options.js';
-import type { Laplacian, Match, Spectrum } from './results.js';
+import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions, Progress, ReadOptions, SpectrumOptions } from './options.js';
+import type { Device, Laplacian, Match, Spectrum, Stage } from './results.js';
 
 /** A shape on its way into the worker. */
 export type Source =
@@ -21,7 +21,7 @@ export interface Prepared {
 
 /** What the worker can be asked, and what it answers. */
 export interface Calls {
-  version: { ask: object; answer: string };
+  device: { ask: object; answer: Device };
   prepare: {
     ask: { source: Source; options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'> };
     answer: Uint8Array<ArrayBuffer>;
@@ -32,7 +32,8 @@ export interface Calls {
     ask: { a: Prepared['block']; b: Prepared['block']; options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'> };
     answer: Match;
   };
-  trap: { ask: object; answer: never };
+  lose: { ask: { stage: Stage }; answer: void };
+  trap: { ask: { waiting: boolean }; answer: never };
 }
 
 export type CallName = keyof Calls;
@@ -40,14 +41,18 @@ export type Answer = Calls[CallName]['answer'];
 export type CallOf<N extends CallName> = { name: N } & Calls[N]['ask'];
 export type Call = { [N in CallName]: CallOf<N> }[CallName];
 
-/** Messages to the worker. `start` comes once and first; then one `call` at a time. */
-export type ToWorker = { type: 'start'; module: WebAssembly.Module } | { type: 'call'; id: number; call: Call };
+/** Which device a matcher is to run on. */
+export type DeviceChoice = NonNullable<MatcherOptions['device']>;
 
-/** Messages from the worker. After `crashed` it must be ended. */
+/** Messages to the worker. `start` comes once and first; then one `call` at a time. `again` says that an earlier worker had this device. */
+export type ToWorker =
+  { type: 'start'; module: WebAssembly.Module; device: DeviceChoice; again: boolean } | { type: 'call'; id: number; call: Call };
+
+/** Messages from the worker. After `crashed` it must be ended. `device` is the one in use by then, when it was opened. */
 export type FromWorker =
   | { type: 'ready' }
   | ({ type: 'progress'; id: number } & Progress)
-  | { type: 'done'; id: number; answer: Answer }
+  | { type: 'done'; id: number; answer: Answer; device: Device | undefined }
   | { type: 'failed'; id: number; error: { code: string; message: string; details: ErrorDetails } }
   | { type: 'crashed'; code: 'crashed' | 'out-of-memory'; message: string; details: ErrorDetails };
 

@@ -35,6 +35,14 @@ export interface Device {
   readonly adapter?: string;
 }
 
+/** A device failed, and the CPU did its work again. */
+export interface Fallback {
+  /** The stage in which it failed. */
+  readonly stage: Stage;
+  /** A sentence for a person. */
+  readonly reason: string;
+}
+
 /** What was found out about a scan while it was prepared. */
 export interface ShapeInfo {
   readonly kind: 'mesh' | 'cloud';
@@ -60,6 +68,8 @@ export interface ShapeInfo {
   /** Largest residual of the eigenpairs, relative to the largest eigenvalue. */
   readonly residual: number;
   readonly seconds: StageSeconds;
+  /** Where and why the CPU took over from a device that failed; null when none did. */
+  readonly fallback: Fallback | null;
 }
 
 /** One kind of thing the reader or the sanitiser changed. */
@@ -141,9 +151,10 @@ export interface DirectedMap {
 
 /** How a match came about. */
 export interface MatchReport {
+  /** The device that the match ran on, or began on. */
   device: Device['kind'];
   /** Where and why the run continued on the CPU; null when nothing failed. */
-  fallback: { stage: Stage; reason: string } | null;
+  fallback: Fallback | null;
   seconds: StageSeconds;
   /** Points of a and of b that took part. */
   pointsUsed: [number, number];

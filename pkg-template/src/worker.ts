@@ -1,7 +1,7 @@
-// Runs in a worker of a browser or of Node: holds one wasm instance and answers one call at a time.
+// Runs in a worker of a browser or of Node: holds one wasm instance with its device and answers one call at a time.
 import * as raw from './geose_fmap.js';
 import { workerThreads } from './node.js';
-import { buffersOf, type Answer, type Call, type FromWorker, type Source, type ToWorker } from './protocol.js';
+import { buffersOf, type Answer, type Call, type DeviceChoice, type FromWorker, type Source, type ToWorker } from './protocol.js';
 import type { Stage } from './results.js';
 
 type Post = (message: FromWorker, transfer?: ArrayBuffer[]) => void;
@@ -17,6 +17,15 @@ const LARGEST_ARRAY = 2 ** 31 - 1;
 if ('DedicatedWorkerGlobalScope' in globalThis) {
   const post: Post = (message, transfer = []) => postMessage(message, { transfer });
   addEventListener('message', (event: MessageEvent<ToWorker>) => void hear(event.data, post));
+  // A trap while a GPU is waited for rejects nothing.
+  addEventListener('error', (event) => {
+    event.preventDefault();
+    post(crashOf(event.error ?? event.message));
+  });
+  addEventListener('unhandledrejection', (event) => {
+    event.preventDefault();
+    post(crashOf(event.reason));
+  });
 } else {
   void workerThreads().then(({ parentPort }) => {
     const post: Post = (message, transfer = []) => parentPort?.postMessage(message, transfer);
@@ -24,14 +33,24 @@ if ('DedicatedWorkerGlobalScope' in globalThis) {
   });
 }
 
+let wanted: DeviceChoice = 'auto';
+let again = false;
+let opened: raw.Device | undefined;
+
+/** The device, opened when it is first needed. */
+async function device(): Promise<raw.Device> {
+  return (opened ??= await raw.open_device(wanted, again));
+}
+
 async function hear(message: ToWorker, post: Post): Promise<void> {
   try {
     if (message.type === 'start') {
       raw.initSync({ module: message.module });
+      ({ device: wanted, again } = message);
       post({ type: 'ready' });
     } else {
       const answer = await answerTo(message.call, progressOf(message.id, post));
-      post({ type: 'done', id: message.id, answer }, buffersOf(answer));
+      post({ type: 'done', id: message.id, answer, device: opened?.info() }, buffersOf(answer));
     }
   } catch (error) {
     if (message.type === 'call' && isTyped(error)) {
@@ -45,10 +64,13 @@ async function hear(message: ToWorker, post: Post): Promise<void> {
 
 async function answerTo(call: Call, progress: Progress): Promise<Answer> {
   switch (call.name) {
-    case 'version':
-      return raw.version();
-    case 'prepare':
-      return raw.prepare(await read(call.source), call.options, progress);
+    case 'device':
+      return (await device()).info();
+    case 'prepare': {
+      const on = await device();
+      const scan = await read(call.source);
+      return on.waits() ? on.prepare_waiting(scan, call.options, progress) : on.prepare(scan, call.options, progress);
+    }
     case 'laplacian':
       return call.source.from === 'prepared'
         ? raw.laplacian_of_prepared(call.source.block, call.options, progress)
@@ -57,10 +79,16 @@ async function answerTo(call: Call, progress: Progress): Promise<Answer> {
       const { indptr, indices, values, mass } = call.laplacian;
       return raw.spectrum(indptr, indices, values, mass, call.options, progress);
     }
-    case 'match':
-      return raw.match_pair(call.a, call.b, call.options, progress);
+    case 'match': {
+      const on = await device();
+      return on.waits()
+        ? on.match_pair_waiting(call.a, call.b, call.options, progress)
+        : on.match_pair(call.a, call.b, call.options, progress);
+    }
+    case 'lose':
+      return (await device()).lose_at(call.stage);
     case 'trap':
-      return raw.trap();
+      return call.waiting ? raw.trap_waiting() : raw.trap();
   }
 }
 

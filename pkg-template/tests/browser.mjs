@@ -35,8 +35,8 @@ export async function serve(folder, { headers = {}, types = {} } = {}) {
   return { origin: `http://127.0.0.1:${server.address().port}`, close };
 }
 
-/** Starts the browser; whoever calls it closes it. */
-export const launch = () => chromium.launch({ executablePath: ensureChromium().browser, args: switches });
+/** Starts the browser, with `more` switches; whoever calls it closes it. */
+export const launch = (more = []) => chromium.launch({ executablePath: ensureChromium().browser, args: [...switches, ...more] });
 
 /** Opens the page and waits for its outcome; also tells which addresses were asked for and what the page complained of. */
 export async function visit(browser, url) {

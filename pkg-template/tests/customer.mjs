@@ -1,11 +1,11 @@
 // The small program that every test of a page runs; in Node it gives the outcome to expect.
 import { lump } from './bodies.mjs';
 
-/** Matches two lumps, after a cancelled and a trapped call, with a matcher made with `options`. */
-export async function run(Matcher, options = {}) {
+/** Matches two lumps, prepared as said, after a cancelled and a trapped call, with a matcher made with `options`. */
+export async function run(Matcher, options = {}, preparing = { eigenpairs: 60 }) {
   const matcher = await Matcher.create(options);
-  const a = await matcher.prepare(lump(), { eigenpairs: 60 });
-  const b = await matcher.prepare(lump({ frequency: 11, bend: 0.3 }), { eigenpairs: 60 });
+  const a = await matcher.prepare(lump(), preparing);
+  const b = await matcher.prepare(lump({ frequency: 11, bend: 0.3 }), preparing);
   const controller = new AbortController();
   const onProgress = () => controller.abort();
   const cancelled = await matcher.match(a, b, { signal: controller.signal, onProgress }).catch((error) => error.code);

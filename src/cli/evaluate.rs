@@ -40,7 +40,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.running.check()?;
+    arguments.running.check_cpu()?;
     arguments.preparing.check()?;
     // Measuring may take hours; that the result has nowhere to go should not show at their end.
     let folder =

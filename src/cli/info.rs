@@ -20,8 +20,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.running.check()?;
-    let prepared = prepare_scan(&arguments.a, &arguments.preparing, arguments.running.model()?)?;
+    let prepared = prepare_scan(&arguments.a, &arguments.preparing, &mut arguments.running.processor()?)?;
     let info = serde_json::to_value(&prepared.info)?;
     if arguments.json {
         let both = serde_json::json!({ "info": info, "repairs": prepared.repairs });

@@ -19,7 +19,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.running.check()?;
+    arguments.running.check_cpu()?;
     let shape = read_scan(&arguments.a)?;
     let kind = arguments.preparing.laplacian.unwrap_or_else(|| default_kind(&shape));
     let built = laplacian(&shape, kind, &mut Progress::silent())?;

@@ -2,7 +2,7 @@
 
 use super::map_file::{MapFile, Outcome};
 use super::{Failure, PathBuf, Preparing, Running, parse, prepare_scan};
-use crate::{Cpu, MatchOptions, Parts, Progress, Refinement, UNMATCHED, match_with};
+use crate::{MatchOptions, Parts, Progress, Refinement, UNMATCHED};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -27,19 +27,24 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.running.check()?;
     arguments.output.check()?;
-    let model = arguments.running.model()?;
-    let a = prepare_scan(&arguments.a, &arguments.preparing, model)?;
-    let b = prepare_scan(&arguments.b, &arguments.preparing, model)?;
+    let mut on = arguments.running.processor()?;
+    let a = prepare_scan(&arguments.a, &arguments.preparing, &mut on)?;
+    let b = prepare_scan(&arguments.b, &arguments.preparing, &mut on)?;
     let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, ..Default::default() };
-    let matched = pollster::block_on(match_with(model, &Cpu, &a, &b, &options, &mut Progress::silent()))?;
+    let matched = pollster::block_on(on.match_shapes(&a, &b, &options, &mut Progress::silent()))?;
     let preparing = &arguments.preparing.options();
     arguments.output.write(&Outcome { a: &a, b: &b, preparing, options: &options, matched: &matched })?;
     let (target, confidence) = (&matched.a_to_b.target, &matched.a_to_b.confidence);
     let found = target.iter().filter(|&&target| target != UNMATCHED).count();
     let sure = confidence.iter().filter(|&&confidence| confidence >= 0.5).count();
     eprintln!("{found} of {} points matched, {sure} of them with a confidence of 0.5 or more", target.len());
+    if let Some(adapter) = &on.info().adapter {
+        eprintln!("device: {adapter}");
+    }
+    if let Some(fallback) = &matched.fallback {
+        eprintln!("note: from stage {} on the CPU did the work: {}", fallback.stage.name(), fallback.reason);
+    }
     for (stage, seconds) in &matched.seconds {
         eprintln!("{stage}: {seconds:.3} s");
     }

@@ -9,11 +9,11 @@ mod matching;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
 use crate::{
-    Axis, LaplacianKind, Model, OptionError, PrepareOptions, PreparedShape, Progress, Shape, Stage, Weights,
-    prepare_with, read,
+    Axis, DeviceChoice, LaplacianKind, Model, OptionError, PrepareOptions, PreparedShape, Processor, Progress, Shape,
+    Stage, Weights, read,
 };
 
 /// Which point of one deformable 3D scan is which point of the other.
@@ -75,9 +75,9 @@ impl Preparing {
 /// Options on what a program runs with.
 #[derive(Args, Clone, Debug)]
 struct Running {
-    /// What computes.
-    #[arg(long, value_enum, default_value_t = Device::Auto)]
-    device: Device,
+    /// What computes: auto, cpu or webgpu.
+    #[arg(long, default_value = "auto", value_parser = parse::<DeviceChoice>)]
+    device: DeviceChoice,
     /// Network weights in place of the built-in ones.
     #[arg(long)]
     weights: Option<PathBuf>,
@@ -86,23 +86,18 @@ struct Running {
     seed: u64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Device {
-    /// The fastest there is.
-    Auto,
-    /// The processor.
-    Cpu,
-    /// The graphics card.
-    Webgpu,
-}
-
 impl Running {
-    /// Refuses what this build does not have.
-    fn check(&self) -> Result<(), Failure> {
-        if self.device == Device::Webgpu {
-            return Err("WebGPU is not in this build: use --device auto or cpu".into());
+    /// The device of choice, with the network.
+    fn processor(&self) -> Result<Processor, Failure> {
+        Ok(pollster::block_on(Processor::open(self.model()?, self.device))?)
+    }
+
+    /// For what runs on the processor only.
+    fn check_cpu(&self) -> Result<(), Failure> {
+        match self.device {
+            DeviceChoice::Webgpu => Err("this runs on the CPU only: use --device auto or cpu".into()),
+            DeviceChoice::Auto | DeviceChoice::Cpu => Ok(()),
         }
-        Ok(())
     }
 
     /// The network, for as long as the program runs.
@@ -151,13 +146,13 @@ fn read_scan(path: &Path) -> Result<Shape, Failure> {
     Ok(read(&bytes, name.as_deref(), None).map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
-fn prepare_scan(path: &Path, preparing: &Preparing, model: &Model) -> Result<PreparedShape, Failure> {
+fn prepare_scan(path: &Path, preparing: &Preparing, on: &mut Processor) -> Result<PreparedShape, Failure> {
     preparing.check()?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
     let mut progress = Progress::silent();
     progress.at(Stage::Read, 0.0)?;
     let shape = read_scan(path)?;
-    Ok(prepare_with(model, shape, name, &preparing.options(), &mut progress)
+    Ok(pollster::block_on(on.prepare(shape, name, &preparing.options(), &mut progress))
         .map_err(|e| format!("{}: {e}", path.display()))?)
 }
 

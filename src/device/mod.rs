@@ -3,6 +3,7 @@
 //! Operations are coarse, values stay on the device between them, and the only thing to wait for is a download.
 
 mod cpu;
+mod fallback;
 #[cfg(feature = "gpu")]
 mod gpu;
 
@@ -10,6 +11,8 @@ pub use cpu::Cpu;
 pub(crate) use cpu::solve_rows_wide;
 #[cfg(feature = "train")]
 pub(crate) use cpu::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, solve_rows, tanh};
+pub use fallback::Fallback;
+pub(crate) use fallback::{Interrupted, still_well};
 #[cfg(feature = "gpu")]
 pub use gpu::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
 use ndarray::{Array2, ArrayView2};
@@ -24,8 +27,14 @@ pub trait Device {
     /// One row index per row on the device.
     type Indices;
 
+    /// What went wrong on the device, if anything did: then nothing that was downloaded since can be used, and the work has to be repeated on another.
+    fn failure(&self) -> Option<String> {
+        None
+    }
     /// Copies a matrix to the device.
     fn upload(&self, matrix: ArrayView2<f32>) -> Self::Tensor;
+    /// Copies row indices to the device.
+    fn upload_indices(&self, indices: &[u32]) -> Self::Indices;
     /// Copies a matrix back.
     async fn download(&self, tensor: &Self::Tensor) -> Array2<f32>;
     /// Copies row indices back.

@@ -24,7 +24,6 @@ use std::time::Instant;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use crate::device::Cpu;
 use crate::error::Error;
 use crate::fmap::{Refinement, part_scores};
 use crate::model::Model;
@@ -236,7 +235,8 @@ fn prepare_one(
     }
     let clock = Instant::now();
     let prepared =
-        prepare_with(model, shape, Some(name.to_owned()), &options, &mut Progress::silent()).map_err(failed)?;
+        pollster::block_on(prepare_with(model, shape, Some(name.to_owned()), &options, &mut Progress::silent()))
+            .map_err(failed)?;
     Ok((prepared, clock.elapsed().as_secs_f64()))
 }
 
@@ -263,7 +263,7 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
         let (parts, refine) = (task.parts(), task.refine);
         let options = MatchOptions { parts, refine, raw: refine != Refinement::None, ..Default::default() };
         let mut progress = Progress::silent();
-        let matched = pollster::block_on(match_with(model, &Cpu, a, b, &options, &mut progress)).map_err(failed)?;
+        let matched = pollster::block_on(match_with(model, a, b, &options, &mut progress)).map_err(failed)?;
         (matched.a_to_b.target, Some(matched.a_to_b.confidence), matched.raw.map(|raw| raw.target))
     };
     let seconds = clock.elapsed().as_secs_f64();

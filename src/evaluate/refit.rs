@@ -5,7 +5,6 @@ use std::path::Path;
 
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::device::Cpu;
 use crate::fmap::{CUES, Refinement, Situation, fit};
 use crate::model::Model;
 use crate::options::{MatchOptions, Parts, PrepareOptions};
@@ -45,7 +44,7 @@ pub fn refit(
                 for refine in [Refinement::Best, Refinement::None] {
                     let options = MatchOptions { refine, ..MatchOptions::default() };
                     let mut progress = Progress::silent();
-                    let matched = pollster::block_on(match_with_cues(model, &Cpu, a, b, &options, &mut progress));
+                    let matched = pollster::block_on(match_with_cues(model, a, b, &options, &mut progress));
                     let names = || trial.names.map(String::as_str).join(" ");
                     let (matched, [cues, _]) = matched.map_err(|e| EvaluationError::method(names(), e))?;
                     let judged = trial.judge(&matched.a_to_b.target).into_iter().map(|(i, right)| {

@@ -14,9 +14,6 @@ pub struct Matchable {
     pub points: Array2<f64>,
     /// Descriptors (p, c) that do not depend on the pose in space.
     pub features: Array2<f32>,
-    /// Further columns (p, c) that agree at points that correspond, weighed as they are to count beside positions in √area: point features of a network,
-    /// probabilities of parts. As many columns on either side of a pair, or none.
-    pub extra: Option<Array2<f32>>,
     /// Probability of each of [`crate::PARTS`] (p, 14), where a network was asked.
     pub parts: Option<Array2<f32>>,
     /// Rows of an even sampling, coarsest first: every prefix is a sampling too.
@@ -34,6 +31,11 @@ impl Matchable {
     /// True without points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The first `k` eigenfunctions as f32: (p, k).
+    pub(super) fn phi(&self, k: usize) -> Array2<f32> {
+        self.basis.eigenvectors.slice(s![.., ..k]).mapv(|v| v as f32)
     }
 
     /// Φ at the given rows, first `k` columns, as f32: (rows, k).

@@ -5,7 +5,7 @@ use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 use super::alignment::{Rotation, axis_rotations, best_rotation, compose, inverse, principal_axes, rotate};
 use super::chirality::{chirality, outward_normals};
 use super::functional_map::smoothed;
-use super::refine::{MapPair, joint_nearest, maps_of_match};
+use super::refine::{Beside, MapPair, joint_nearest, maps_of_match};
 use super::{FunctionalMap, Matchable};
 use crate::device::Device;
 
@@ -142,10 +142,10 @@ impl<T> Trial<T> {
     async fn judge<D: Device<Tensor = T>>(&self, device: &D, mut maps: MapPair, k: usize, rounds: usize) -> Verdict {
         let [phi_a, phi_b] = [0, 1].map(|side| device.leading_columns(&self.on_device[side], k));
         let parts = self.parts.as_ref().map(|[of_a, of_b]| (&of_a[..], &of_b[..]));
-        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &[vec![], vec![]], parts);
+        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &Beside::nothing(), parts);
         for _ in 0..rounds {
             maps = maps_of_match(device, [&phi_a, &phi_b], &there_and_back).await;
-            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &[vec![], vec![]], parts);
+            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &Beside::nothing(), parts);
         }
         let to_b = wide(&device.download_indices(&there_and_back.0).await);
         let to_a = wide(&device.download_indices(&there_and_back.1).await);

@@ -5,9 +5,10 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis, concatenate, s};
 use super::Matchable;
 use super::functional_map::{FunctionalMap, functional_maps};
 use super::refine::MapPair;
-use crate::device::Device;
+use crate::device::{Device, Interrupted, still_well};
 use crate::features::weyl_factor;
-use crate::model::{Model, Network, PointEmbedding};
+use crate::model::{Model, PointEmbedding};
+use crate::progress::Stage;
 
 /// Basis size of the first maps, as in training.
 const FIRST: usize = 60;
@@ -45,70 +46,77 @@ impl Familiarity {
     }
 }
 
-/// C_ab and C_ba at k = 60, and how far they can be trusted. Leaves features and `masks` as further columns with both sides. `masks` are probabilities of parts (p, c) that
-/// attention masks with; `known` (k, l) are coefficients of functions known to correspond.
+/// What the network makes of a pair.
+pub struct Learned<T> {
+    /// The first maps, of k = 60.
+    pub maps: MapPair,
+    /// How far they can be trusted.
+    pub familiarity: Familiarity,
+    /// Features after attention and roots of parts, weighted, of the points of A (n, f + c) and of B: what tells points apart beside the maps.
+    pub extra: [T; 2],
+}
+
+/// The first maps. `masks` are probabilities of parts (p, c) that attention masks with; `known` (k, l) are coefficients of functions known to correspond.
 pub async fn learned_maps<D: Device>(
-    device: &D,
-    model: &Model,
-    [(a, of_a), (b, of_b)]: [(&mut Matchable, &PointEmbedding); 2],
-    [mask_a, mask_b]: [Array2<f32>; 2],
+    model: &Model<D>,
+    [(a, of_a), (b, of_b)]: [(&Matchable, &PointEmbedding); 2],
+    [mask_a, mask_b]: &[Array2<f32>; 2],
     known: Option<(ArrayView2<'_, f64>, ArrayView2<'_, f64>)>,
-) -> (MapPair, Familiarity) {
-    let weights = model.weights();
-    let network = Network::new(&weights.config, &mut weights.on(device)).expect("a model's weights fit its network");
-    let sides = [(&*a, of_a, &mask_a), (&*b, of_b, &mask_b)];
+) -> Result<Learned<D::Tensor>, Interrupted> {
+    let (device, network) = (model.device(), model.network());
+    let sides = [(a, of_a, mask_a), (b, of_b, mask_b)];
     let on = sides.map(|(_, e, mask)| (device.upload(e.features.view()), device.upload(mask.view())));
-    let keys = sides.map(|(m, e, mask)| {
-        let rows: Vec<usize> = m.coarse.iter().take(KEYS).map(|&row| row as usize).collect();
-        let at = |matrix: &Array2<f32>| device.upload(matrix.select(Axis(0), &rows).view());
-        (at(&e.features), at(mask))
+    let keys = [0, 1].map(|side: usize| {
+        let coarse = &sides[side].0.coarse;
+        let rows = device.upload_indices(&coarse[..KEYS.min(coarse.len())]);
+        (device.gather(&on[side].0, &rows), device.gather(&on[side].1, &rows))
     });
     let compared = [0, 1].map(|side: usize| {
         let (own, other) = (&on[side], &keys[1 - side]);
         network.compare(device, (&own.0, &own.1), (&other.0, &other.1))
     });
     let k = FIRST.min(a.basis.k()).min(b.basis.k());
-    let projected = [(&*a, &compared[0]), (&*b, &compared[1])].map(|(m, features)| {
+    let projected = [(a, &compared[0]), (b, &compared[1])].map(|(m, features)| {
         let projector = m.basis.eigenvectors.slice(s![.., ..k]).to_owned() * m.basis.mass.view().insert_axis(Axis(1));
         device.matmul_tn(&device.upload(projector.mapv(|v| v as f32).view()), features)
     });
-    let lambda = [&*a, &*b].map(|m| {
+    let lambda = [a, b].map(|m| {
         let weyl = weyl_factor(&m.basis);
         m.basis.eigenvalues.iter().take(k).map(|l| l / weyl).collect::<Vec<f64>>()
     });
     let [c_ab, c_ba] = functional_maps(device, [&projected[0], &projected[1]], [&lambda[0], &lambda[1]]);
+    // Side by side they come down together.
+    let width = network.config.features;
+    let beside = device.concat(&[(&c_ab, 1.0), (&c_ba, 1.0), (&projected[0], 1.0), (&projected[1], 1.0)]);
+    let down = device.download(&beside).await.mapv(f64::from);
+    still_well(device, Stage::FunctionalMap)?;
+    let columns = |from: usize, count: usize| down.slice(s![.., from..from + count]);
     // Judged by what the network says alone: what a user knows says nothing about it.
-    let maps = MapPair {
-        c_ab: device.download(&c_ab).await.mapv(f64::from),
-        c_ba: device.download(&c_ba).await.mapv(f64::from),
-    };
+    let maps = MapPair { c_ab: columns(0, k).to_owned(), c_ba: columns(k, k).to_owned() };
     let off = |there_and_back: Array2<f64>| (there_and_back - Array2::<f64>::eye(k)).iter().map(|v| v * v).sum::<f64>();
     let familiarity = Familiarity {
         bijectivity: (off(maps.c_ab.dot(&maps.c_ba)) + off(maps.c_ba.dot(&maps.c_ab))) / (2 * k) as f64,
-        certainty: certainty(&*a, of_a).min(certainty(&*b, of_b)),
+        certainty: certainty(a, of_a).min(certainty(b, of_b)),
     };
     let maps = match known {
         Some((known_a, known_b)) => {
-            let mut joined = Vec::new();
-            for (learned, known) in projected.iter().zip([known_a, known_b]) {
-                let learned = device.download(learned).await.mapv(f64::from);
-                joined.push(concatenate![Axis(1), learned, known.slice(s![..k, ..])]);
-            }
-            let [g_a, g_b] = [joined[0].view(), joined[1].view()];
+            let joined = |learned: usize, known: ArrayView2<f64>| {
+                concatenate![Axis(1), columns(2 * k + learned * width, width), known.slice(s![..k, ..])]
+            };
+            let (g_a, g_b) = (joined(0, known_a), joined(1, known_b));
             let [lambda_a, lambda_b] = [ArrayView1::from(&lambda[0]), ArrayView1::from(&lambda[1])];
             MapPair {
-                c_ab: FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b).matrix,
-                c_ba: FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a).matrix,
+                c_ab: FunctionalMap::solve(g_a.view(), g_b.view(), lambda_a, lambda_b).matrix,
+                c_ba: FunctionalMap::solve(g_b.view(), g_a.view(), lambda_b, lambda_a).matrix,
             }
         }
         None => maps,
     };
-    let [features_a, features_b] = compared;
-    for (m, mask, features) in [(a, mask_a, features_a), (b, mask_b, features_b)] {
-        let features = device.download(&features).await * FEATURES;
-        m.extra = Some(concatenate![Axis(1), features, mask.mapv(|p| PARTS * p.sqrt())]);
-    }
-    (maps, familiarity)
+    let extra = [(&compared[0], mask_a), (&compared[1], mask_b)].map(|(features, mask)| {
+        let roots = device.upload(mask.mapv(f32::sqrt).view());
+        device.concat(&[(features, FEATURES), (&roots, PARTS)])
+    });
+    Ok(Learned { maps, familiarity, extra })
 }
 
 /// Mean probability of the likeliest part over the surface.

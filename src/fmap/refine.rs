@@ -4,7 +4,7 @@
 //! both ways. Iterations run on an even sampling of each body; only the last match sees every point. Whatever is compared of two bodies lies in
 //! the frame of one of them, so turning either changes nothing.
 
-use ndarray::{Array2, Axis};
+use ndarray::{Array2, Axis, concatenate, s};
 use serde::{Deserialize, Serialize};
 
 use super::confidence::confidence;
@@ -12,8 +12,8 @@ use super::cues::Cues;
 use super::functional_map::least_squares;
 use super::laying::{Columns, Laying};
 use super::{Correspondence, Matchable};
-use crate::device::Device;
-use crate::progress::{Cancelled, Progress, Stage};
+use crate::device::{Device, Interrupted, still_well};
+use crate::progress::{Progress, Stage};
 
 /// The two functional maps of a pair.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,25 +108,23 @@ impl Schedule {
     }
 
     /// What A laid onto B has in common with B, and A with B laid onto A.
-    fn beside<D: Device>(
+    fn beside<'t, D: Device>(
         &self,
         device: &D,
-        sides: &[Side<D::Tensor>; 2],
+        sides: &'t [Side<D::Tensor>; 2],
         [a, b]: &[Columns; 2],
         round: usize,
-    ) -> Beside<D::Tensor> {
+    ) -> Beside<'t, D::Tensor> {
         let (coordinates, normals) = (self.even(self.coordinates, round), self.even(self.normals, round));
-        let mut beside = extra(device, sides, self.even(self.extra, round));
-        let [of_a, of_b] = &mut beside;
-        let mut push = |on_a: &Array2<f32>, on_b: &Array2<f32>, weight: f32| {
-            of_a.push((device.upload(on_a.view()), weight));
-            of_b.push((device.upload(on_b.view()), weight));
+        let weighed = |[x, y]: [&Array2<f32>; 2], [u, v]: [&Array2<f32>; 2]| {
+            let columns = concatenate![Axis(1), x * coordinates, y * coordinates, u * normals, v * normals];
+            device.upload(columns.view())
         };
-        push(&a.laid, &b.rest, coordinates);
-        push(&a.rest, &b.laid, coordinates);
-        push(&a.turned, &b.normals, normals);
-        push(&a.normals, &b.turned, normals);
-        beside
+        let laid = [
+            weighed([&a.laid, &a.rest], [&a.turned, &a.normals]),
+            weighed([&b.rest, &b.laid], [&b.normals, &b.turned]),
+        ];
+        Beside { laid: Some(laid), ..Beside::known(sides, self.even(self.extra, round)) }
     }
 }
 
@@ -140,8 +138,55 @@ struct Side<T> {
     parts: Option<Vec<u32>>,
 }
 
-/// Columns of A and of B that stand beside the spectral ones, with their weights.
-type Beside<T> = [Vec<(T, f32)>; 2];
+impl<T> Side<T> {
+    /// Every point of a body, with `extra` columns and the first k eigenfunctions.
+    fn new<D: Device<Tensor = T>>(
+        device: &D,
+        shape: &Matchable,
+        extra: Option<&T>,
+        parts: Option<&[u32]>,
+        k: usize,
+    ) -> Self {
+        let extra = extra.map(|extra| device.concat(&[(extra, 1.0)]));
+        Self { phi: device.upload(shape.phi(k).view()), extra, parts: parts.map(<[u32]>::to_vec) }
+    }
+
+    /// Some of the points.
+    fn at<D: Device<Tensor = T>>(&self, device: &D, rows: &[u32]) -> Self {
+        let parts = self.parts.as_ref().map(|parts| rows.iter().map(|&i| parts[i as usize]).collect());
+        let rows = device.upload_indices(rows);
+        let extra = self.extra.as_ref().map(|extra| device.gather(extra, &rows));
+        Self { phi: device.gather(&self.phi, &rows), extra, parts }
+    }
+}
+
+/// Columns of A and of B that stand beside the spectral ones.
+pub(super) struct Beside<'t, T> {
+    /// What else tells points apart, and how much that counts.
+    extra: Option<([&'t T; 2], f32)>,
+    /// Where the bodies lie and how they turn, at rest and laid onto each other.
+    laid: Option<[T; 2]>,
+}
+
+impl<'t, T> Beside<'t, T> {
+    /// Spectral columns are all there is.
+    pub(super) fn nothing() -> Self {
+        Self { extra: None, laid: None }
+    }
+
+    /// What is known of the points of both sides whatever the maps are.
+    fn known([a, b]: &'t [Side<T>; 2], weight: f32) -> Self {
+        let both = a.extra.as_ref().zip(b.extra.as_ref());
+        let extra = both.filter(|_| weight > 0.0).map(|(on_a, on_b)| ([on_a, on_b], weight));
+        Self { extra, laid: None }
+    }
+
+    /// Those of A (0) or of B (1), with their weights.
+    fn of(&self, side: usize) -> impl Iterator<Item = (&T, f32)> {
+        let extra = self.extra.as_ref().map(|(both, weight)| (both[side], *weight));
+        extra.into_iter().chain(self.laid.as_ref().map(|both| (&both[side], 1.0)))
+    }
+}
 
 /// A refined match.
 pub struct Refined {
@@ -155,46 +200,32 @@ pub struct Refined {
     pub cues: [Cues; 2],
 }
 
-/// Refines `first` and matches every point both ways. `parts` are part labels (n) of A and B: then
+/// Refines `first` and matches every point both ways. `extra` are columns (n, c) of A and of B that agree at points that correspond, weighed as they are to
+/// count beside positions in √area: point features of a network, probabilities of parts. `parts` are part labels (n) of A and B: then
 /// no point is matched to another part (paper Sec. 3.3, at the level of the map). Returns the correspondences A → B and B → A, and the maps
 /// they came from.
 pub async fn refine<D: Device>(
     device: &D,
     (a, b): (&Matchable, &Matchable),
     first: MapPair,
+    extra: Option<&[D::Tensor; 2]>,
     parts: Option<(&[u32], &[u32])>,
     refinement: Refinement,
     progress: &mut Progress<'_>,
-) -> Result<Refined, Cancelled> {
+) -> Result<Refined, Interrupted> {
     let schedule = if a.surface.oriented && b.surface.oriented { MESH } else { CLOUD };
-    refine_by(device, (a, b), first, parts, refinement, &schedule, progress).await
-}
-
-pub(super) async fn refine_by<D: Device>(
-    device: &D,
-    (a, b): (&Matchable, &Matchable),
-    first: MapPair,
-    parts: Option<(&[u32], &[u32])>,
-    refinement: Refinement,
-    schedule: &Schedule,
-    progress: &mut Progress<'_>,
-) -> Result<Refined, Cancelled> {
     let smallest = first.c_ab.nrows();
     let largest = if refinement == Refinement::None { smallest } else { a.basis.k().min(b.basis.k()) };
-    let (parts_a, parts_b) = parts.unzip();
-    let at = |rows_a: &[u32], rows_b: &[u32]| {
-        [Side::at(device, a, parts_a, rows_a, largest), Side::at(device, b, parts_b, rows_b, largest)]
-    };
+    let ((parts_a, parts_b), (extra_a, extra_b)) = (parts.unzip(), extra.map(|[on_a, on_b]| (on_a, on_b)).unzip());
+    let full = [Side::new(device, a, extra_a, parts_a, largest), Side::new(device, b, extra_b, parts_b, largest)];
+    let coarse = || [full[0].at(device, &a.coarse), full[1].at(device, &b.coarse)];
     let (maps, spectral, laid) = match refinement {
         Refinement::None => (first, 1.0, None),
-        Refinement::ZoomOut => {
-            (zoom_out(device, &at(&a.coarse, &b.coarse), first, largest, progress).await?, 1.0, None)
-        }
+        Refinement::ZoomOut => (zoom_out(device, &coarse(), first, largest, progress).await?, 1.0, None),
         Refinement::Best => {
-            let coarse = at(&a.coarse, &b.coarse);
+            let coarse = coarse();
             let mut laying = Laying::new(a, b, COARSE);
-            let beside = extra(device, &coarse, 1.0);
-            let mut there_and_back = nearest(device, &coarse, &first, 1.0, &beside);
+            let mut there_and_back = nearest(device, &coarse, &first, 1.0, &Beside::known(&coarse, 1.0));
             let mut round = 0;
             loop {
                 progress.at(Stage::Refine, round as f64 / schedule.rounds as f64)?;
@@ -202,6 +233,7 @@ pub(super) async fn refine_by<D: Device>(
                 let maps = maps_of_match(device, [&phi[0], &phi[1]], &there_and_back).await;
                 let to_b = device.download_indices(&there_and_back.0).await;
                 let to_a = device.download_indices(&there_and_back.1).await;
+                still_well(device, Stage::Refine)?;
                 laying.follow(&to_b, &to_a, schedule.stiffness(round));
                 if round + 1 == schedule.rounds {
                     break (maps, schedule.spectral(round), Some(laying));
@@ -214,15 +246,14 @@ pub(super) async fn refine_by<D: Device>(
     };
 
     progress.at(Stage::Correspondence, 0.0)?;
-    let every = |m: &Matchable| (0..m.len() as u32).collect::<Vec<u32>>();
-    let full = at(&every(a), &every(b));
     let laid = laid.map(|laying| laying.everywhere());
     let beside = match &laid {
         Some(columns) => schedule.beside(device, &full, columns, schedule.rounds - 1),
-        None => extra(device, &full, 1.0),
+        None => Beside::known(&full, 1.0),
     };
     let (to_b, to_a) = nearest(device, &full, &maps, spectral, &beside);
     let (to_b, to_a) = (device.download_indices(&to_b).await, device.download_indices(&to_a).await);
+    still_well(device, Stage::Correspondence)?;
     progress.at(Stage::Correspondence, 0.8)?;
     let [laid_a, laid_b] = match &laid {
         Some([a, b]) => [Some(a.laid.view()), Some(b.laid.view())],
@@ -242,41 +273,18 @@ async fn zoom_out<D: Device>(
     mut maps: MapPair,
     largest: usize,
     progress: &mut Progress<'_>,
-) -> Result<MapPair, Cancelled> {
+) -> Result<MapPair, Interrupted> {
     let smallest = maps.c_ab.nrows();
     let mut k = smallest;
     while k < largest {
         progress.at(Stage::Refine, (k - smallest) as f64 / (largest - smallest) as f64)?;
-        let there_and_back = nearest(device, coarse, &maps, 1.0, &nothing());
+        let there_and_back = nearest(device, coarse, &maps, 1.0, &Beside::nothing());
         k = (k + STEP).min(largest);
         let phi = leading(device, coarse, k);
         maps = maps_of_match(device, [&phi[0], &phi[1]], &there_and_back).await;
+        still_well(device, Stage::Refine)?;
     }
     Ok(maps)
-}
-
-impl<T> Side<T> {
-    fn at<D: Device<Tensor = T>>(device: &D, shape: &Matchable, parts: Option<&[u32]>, rows: &[u32], k: usize) -> Self {
-        let wide: Vec<usize> = rows.iter().map(|&i| i as usize).collect();
-        Self {
-            phi: device.upload(shape.phi_at(rows, k).view()),
-            extra: shape.extra.as_ref().map(|extra| device.upload(extra.select(Axis(0), &wide).view())),
-            parts: parts.map(|parts| wide.iter().map(|&i| parts[i]).collect()),
-        }
-    }
-}
-
-/// What else is known of the points of both sides.
-fn extra<D: Device>(device: &D, sides: &[Side<D::Tensor>; 2], weight: f32) -> Beside<D::Tensor> {
-    let [a, b] = sides;
-    match (&a.extra, &b.extra) {
-        (Some(on_a), Some(on_b)) if weight > 0.0 => [on_a, on_b].map(|e| vec![(device.concat(&[(e, 1.0)]), weight)]),
-        _ => nothing(),
-    }
-}
-
-fn nothing<T>() -> Beside<T> {
-    [Vec::new(), Vec::new()]
 }
 
 /// The first k eigenfunctions of both sides.
@@ -304,35 +312,33 @@ pub(super) fn joint_nearest<D: Device>(
     maps: &MapPair,
     [phi_a, phi_b]: [&D::Tensor; 2],
     spectral: f32,
-    [beside_a, beside_b]: &[Vec<(D::Tensor, f32)>; 2],
+    beside: &Beside<D::Tensor>,
     parts: Option<(&[u32], &[u32])>,
 ) -> (D::Indices, D::Indices) {
     let single = |c: &Array2<f64>| device.upload(c.mapv(|v| v as f32).view());
     let weight = spectral / (maps.c_ab.nrows() as f32).sqrt();
-    let embed = |of_a: &D::Tensor, of_b: &D::Tensor, beside: &[(D::Tensor, f32)]| {
-        let mut columns = vec![(of_a, weight), (of_b, weight)];
-        columns.extend(beside.iter().map(|(column, weight)| (column, *weight)));
+    let embed = |of_a: &D::Tensor, of_b: &D::Tensor, side: usize| {
+        let columns: Vec<_> = [(of_a, weight), (of_b, weight)].into_iter().chain(beside.of(side)).collect();
         device.concat(&columns)
     };
     let (a_in_b, b_in_a) = (device.matmul(phi_a, &single(&maps.c_ba)), device.matmul(phi_b, &single(&maps.c_ab)));
-    device.nearest_rows(&embed(&a_in_b, phi_a, beside_a), &embed(phi_b, &b_in_a, beside_b), parts)
+    device.nearest_rows(&embed(&a_in_b, phi_a, 0), &embed(phi_b, &b_in_a, 1), parts)
 }
 
-/// The functional maps of a match both ways, by least squares over the rows at hand: C_ba = Φ_A⁺ Φ_B[to_b], C_ab = Φ_B⁺ Φ_A[to_a].
+/// The functional maps of a match both ways, by least squares over the rows at hand: C_ba = Φ_A⁺ Φ_B[to_b], C_ab = Φ_B⁺ Φ_A[to_a]; k eigenfunctions of both.
 pub(super) async fn maps_of_match<D: Device>(
     device: &D,
     [phi_a, phi_b]: [&D::Tensor; 2],
     (to_b, to_a): &(D::Indices, D::Indices),
 ) -> MapPair {
-    MapPair {
-        c_ba: fit(device, phi_a, &device.gather(phi_b, to_b)).await,
-        c_ab: fit(device, phi_b, &device.gather(phi_a, to_a)).await,
-    }
-}
-
-/// Coefficients (k, m) of functions (rows, m) given at the rows of Φ (rows, k).
-async fn fit<D: Device>(device: &D, phi: &D::Tensor, functions: &D::Tensor) -> Array2<f64> {
-    let gram = device.download(&device.matmul_tn(phi, phi)).await;
-    let right = device.download(&device.matmul_tn(phi, functions)).await;
-    least_squares(gram.view(), right.view())
+    let normal = |phi: &D::Tensor, other: &D::Tensor, rows: &D::Indices| {
+        [device.matmul_tn(phi, phi), device.matmul_tn(phi, &device.gather(other, rows))]
+    };
+    let ([gram_a, right_a], [gram_b, right_b]) = (normal(phi_a, phi_b, to_b), normal(phi_b, phi_a, to_a));
+    // Side by side they come down together.
+    let beside = device.concat(&[(&gram_a, 1.0), (&right_a, 1.0), (&gram_b, 1.0), (&right_b, 1.0)]);
+    let systems = device.download(&beside).await;
+    let k = systems.nrows();
+    let block = |i: usize| systems.slice(s![.., i * k..(i + 1) * k]);
+    MapPair { c_ba: least_squares(block(0), block(1)), c_ab: least_squares(block(2), block(3)) }
 }

@@ -1,4 +1,4 @@
-//! Weights ready for use on the CPU, and those that ship.
+//! Weights on a device, ready for use, and those that ship.
 
 use std::sync::OnceLock;
 
@@ -8,11 +8,12 @@ use super::{Network, Weights, WeightsError};
 use crate::device::{Cpu, Device};
 use crate::features::ShapeInputs;
 
-/// A network's weights with the network built from them.
+/// A network's weights with the network built from them, on the device that it runs on.
 #[derive(Debug)]
-pub struct Model {
+pub struct Model<D: Device = Cpu> {
     weights: Weights,
-    network: Network<Array2<f32>>,
+    device: D,
+    network: Network<D::Tensor>,
 }
 
 /// What the network says about the points of a shape by itself; p points.
@@ -25,10 +26,9 @@ pub struct PointEmbedding {
 }
 
 impl Model {
-    /// Checks that the weights fit the network that they say they are of.
+    /// On the CPU; checks that the weights fit the network that they say they are of.
     pub fn new(weights: Weights) -> Result<Self, WeightsError> {
-        let network = Network::new(&weights.config, &mut weights.on(&Cpu))?;
-        Ok(Self { weights, network })
+        Self::on(weights, Cpu)
     }
 
     /// Those that ship; see the model card beside them.
@@ -39,15 +39,40 @@ impl Model {
             weights.and_then(Self::new).expect("the weights that ship fit the network that ships")
         })
     }
+}
+
+impl<D: Device> Model<D> {
+    /// Copies the weights to `device`, once; checks that they fit the network that they say they are of.
+    pub fn on(weights: Weights, device: D) -> Result<Self, WeightsError> {
+        let network = Network::new(&weights.config, &mut weights.on(&device))?;
+        Ok(Self { weights, device, network })
+    }
 
     /// Name, configuration and tensors.
     pub fn weights(&self) -> &Weights {
         &self.weights
     }
 
+    /// Where the network is, and everything dense runs.
+    pub fn device(&self) -> &D {
+        &self.device
+    }
+
+    /// The network on the device.
+    pub fn network(&self) -> &Network<D::Tensor> {
+        &self.network
+    }
+
+    /// The same on the CPU, for when the device has failed.
+    pub(crate) fn on_cpu(&self) -> Model {
+        Model::new(self.weights.clone()).expect("weights that fitted on one device fit on another")
+    }
+
     /// The forward pass for one shape.
-    pub fn embed(&self, inputs: &ShapeInputs) -> PointEmbedding {
-        let embedding = self.network.embed(&Cpu, &inputs.upload(&Cpu));
-        PointEmbedding { features: embedding.features, parts: Cpu.softmax_rows(&embedding.logits) }
+    pub async fn embed(&self, inputs: &ShapeInputs) -> PointEmbedding {
+        let device = &self.device;
+        let embedding = self.network.embed(device, &inputs.upload(device));
+        let parts = device.softmax_rows(&embedding.logits);
+        PointEmbedding { features: device.download(&embedding.features).await, parts: device.download(&parts).await }
     }
 }

@@ -38,6 +38,10 @@ impl Device for Autodiff {
         tensor(matrix)
     }
 
+    fn upload_indices(&self, indices: &[u32]) -> Vec<u32> {
+        indices.to_vec()
+    }
+
     async fn download(&self, tensor: &Tensor) -> Array2<f32> {
         matrix(tensor)
     }

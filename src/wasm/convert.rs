@@ -47,7 +47,7 @@ pub(super) fn throw(error: Error) -> JsValue {
     plain(&json!({ "code": error.code(), "message": error.to_string(), "details": error.details() }))
 }
 
-fn plain(value: &impl Serialize) -> JsValue {
+pub(super) fn plain(value: &impl Serialize) -> JsValue {
     value.serialize(&serde_wasm_bindgen::Serializer::json_compatible()).unwrap_or(JsValue::NULL)
 }
 
@@ -104,12 +104,12 @@ pub(super) fn match_to_js(matched: &Match, peak_memory_bytes: f64) -> Result<JsV
     let [target, confidence, map] = directed(&matched.a_to_b, &matched.c_ab)?;
     let reverse = object(directed(&matched.b_to_a, &matched.c_ba)?)?;
     let report = json!({
-        "device": "cpu",
-        "fallback": null,
+        "device": matched.device,
+        "fallback": matched.fallback,
         "seconds": matched.seconds,
         "pointsUsed": matched.points_used,
         "peakMemoryBytes": peak_memory_bytes,
-        "gpu": { "dispatches": 0, "uploads": 0, "downloads": 0 },
+        "gpu": matched.gpu,
         "warnings": matched.warnings,
         "weights": matched.weights,
     });

@@ -1,9 +1,10 @@
-//! What JavaScript calls: convert, call, convert back. Everything here is synchronous and runs inside a worker.
+//! What JavaScript calls: convert, call, convert back. Everything runs inside a worker, and all but the GPU is synchronous.
 //!
 //! A typed error is thrown as a plain object `{ code, message, details }`; anything else that is thrown is a trap, after which the
 //! instance must be discarded.
 
 mod convert;
+mod device;
 mod remains;
 
 use js_sys::Function;
@@ -11,17 +12,16 @@ use wasm_bindgen::prelude::*;
 use web_time::Instant;
 
 use crate::error::Error;
-use crate::options::{MatchOptions, OptionError, PrepareOptions};
+use crate::options::OptionError;
 use crate::prepared::PreparedShape;
 use crate::progress::{Progress, Stage};
 use crate::read::Format;
 use crate::shape::Shape;
-use crate::{Cpu, operators, pipeline, spectrum as spectra};
+use crate::{operators, spectrum as spectra};
+pub use device::{Device, open_device};
 pub use remains::{last_panic, refused_bytes};
 
-use convert::{
-    LaplacianOptions, SpectrumOptions, laplacian_to_js, match_to_js, matrix_from_csr, options, spectrum_to_js, throw,
-};
+use convert::{LaplacianOptions, SpectrumOptions, laplacian_to_js, matrix_from_csr, options, spectrum_to_js, throw};
 
 #[wasm_bindgen(start)]
 fn start() {
@@ -64,17 +64,6 @@ pub fn read_arrays(
     RawShape::timed(name, || Ok(Shape::from_arrays(positions, &faces, labels.as_deref())?))
 }
 
-/// Consumes the scan and returns the prepared block.
-#[wasm_bindgen]
-pub fn prepare(shape: RawShape, options_given: JsValue, listener: &Function) -> Result<Vec<u8>, JsValue> {
-    let options: PrepareOptions = options(&options_given)?;
-    let RawShape { shape, name, seconds } = shape;
-    let mut progress = progress(listener);
-    progress.add_seconds(Stage::Read, seconds);
-    let prepared = pipeline::prepare(shape, name, &options, &mut progress).map_err(throw)?;
-    prepared.to_bytes().map_err(|e| throw(e.into()))
-}
-
 /// Consumes the scan and returns its Laplacian, every point counting.
 #[wasm_bindgen]
 pub fn laplacian(shape: RawShape, options_given: JsValue, listener: &Function) -> Result<JsValue, JsValue> {
@@ -112,18 +101,6 @@ pub fn spectrum(
     spectrum_to_js(&basis, &report)
 }
 
-/// Matches two prepared blocks.
-#[wasm_bindgen]
-pub fn match_pair(a: &[u8], b: &[u8], options_given: JsValue, listener: &Function) -> Result<JsValue, JsValue> {
-    let options: MatchOptions = options(&options_given)?;
-    let block = |bytes| PreparedShape::from_bytes(bytes).map_err(|e| throw(e.into()));
-    let (a, b) = (block(a)?, block(b)?);
-    let mut progress = progress(listener);
-    // Nothing on the CPU ever waits, so this only runs the future through.
-    let matched = pollster::block_on(pipeline::match_shapes(&Cpu, &a, &b, &options, &mut progress)).map_err(throw)?;
-    match_to_js(&matched, memory_bytes())
-}
-
 /// Version of the crate.
 #[wasm_bindgen]
 pub fn version() -> String {
@@ -142,12 +119,23 @@ pub fn trap() {
     core::arch::wasm32::unreachable()
 }
 
+/// Traps after it was waited for, where nobody is there to catch it.
+#[wasm_bindgen]
+pub async fn trap_waiting() {
+    let _ = wasm_bindgen_futures::JsFuture::from(js_sys::Promise::resolve(&JsValue::NULL)).await;
+    core::arch::wasm32::unreachable()
+}
+
 fn progress(listener: &Function) -> Progress<'_> {
     Progress::new(|stage, fraction| {
-        // A listener cannot stop a wasm call; what it throws is its own concern.
-        let _ = listener.call2(&JsValue::UNDEFINED, &stage.name().into(), &fraction.into());
+        tell(listener, stage, fraction);
         true
     })
+}
+
+/// A listener cannot stop a wasm call; what it throws is its own concern.
+fn tell(listener: &Function, stage: Stage, fraction: f64) {
+    let _ = listener.call2(&JsValue::UNDEFINED, &stage.name().into(), &fraction.into());
 }
 
 /// Options that are not what they should be, in a sentence.

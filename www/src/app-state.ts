@@ -1,5 +1,6 @@
 import type { Device, Match, MatchOptions, PreparedShape, PrepareOptions, Stage } from 'geose-fmap';
 import type { Landmark, Pairing } from './landmarks';
+import type { DeviceChoice } from './matcher';
 import type { ScanSource } from './scan-source';
 import { sides, type Side } from './side';
 import { createStore, type Store } from './store';
@@ -48,6 +49,8 @@ export interface Selection {
 }
 
 export interface AppState {
+  readonly deviceChoice: DeviceChoice;
+  /** The device in use; null while it is being opened. */
   readonly device: Device | null;
   readonly scans: Readonly<Record<Side, Scan | null>>;
   /** What the user should know about what was dropped, until dismissed or overtaken. */
@@ -80,6 +83,7 @@ export const defaultChoices: Pick<AppState, 'prepareChoices' | 'matchChoices'> =
 
 export function createAppStore(): AppStore {
   return createStore<AppState>({
+    deviceChoice: 'auto',
     device: null,
     scans: { a: null, b: null },
     remark: null,

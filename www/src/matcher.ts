@@ -1,15 +1,33 @@
-import { Matcher } from 'geose-fmap';
+import { Matcher, type MatcherOptions } from 'geose-fmap';
+import wasmAddress from 'geose-fmap/geose_fmap_bg.wasm?url';
 import workerAddress from 'geose-fmap/worker.js?worker&url';
 
+/** Which device the user wants. */
+export type DeviceChoice = NonNullable<MatcherOptions['device']>;
+
+/** What every matcher is made from, fetched once. */
+let kept: Promise<Pick<MatcherOptions, 'wasm' | 'worker'>> | undefined;
+
 /**
- * The package's matcher with its worker kept in memory. Cancelling ends the worker and starts another; the package would fetch
- * its file again, which an open page must not need: the network may be gone by then.
+ * The package's matcher with its files kept in memory. Cancelling ends the worker and starts another, and another device takes another matcher; the package
+ * would fetch its files again, which an open page must not need: the network may be gone by then.
  */
-export async function createMatcher(): Promise<Matcher> {
+export async function createMatcher(device: DeviceChoice): Promise<Matcher> {
   // The development server hands out modules that import each other by path, which only works from where they are.
-  if (import.meta.env.DEV) return Matcher.create({ device: 'auto', worker: workerAddress });
-  const response = await fetch(workerAddress);
-  if (!response.ok) throw new Error(`the worker could not be fetched (status ${response.status})`);
-  const kept = new Blob([await response.blob()], { type: 'text/javascript' });
-  return Matcher.create({ device: 'auto', worker: URL.createObjectURL(kept) });
+  if (import.meta.env.DEV) return Matcher.create({ device, worker: workerAddress });
+  kept ??= fetchFiles();
+  kept.catch(() => (kept = undefined));
+  return Matcher.create({ device, ...(await kept) });
+}
+
+async function fetchFiles(): Promise<Pick<MatcherOptions, 'wasm' | 'worker'>> {
+  const [module, worker] = await Promise.all([fetched('program', wasmAddress), fetched('worker', workerAddress)]);
+  const text = new Blob([await worker.blob()], { type: 'text/javascript' });
+  return { wasm: await WebAssembly.compile(await module.arrayBuffer()), worker: URL.createObjectURL(text) };
+}
+
+async function fetched(what: string, address: string): Promise<Response> {
+  const response = await fetch(address);
+  if (!response.ok) throw new Error(`the ${what} could not be fetched (status ${response.status})`);
+  return response;
 }

@@ -1,7 +1,7 @@
 import type { Matcher, Progress } from 'geose-fmap';
 import { isBusy, outdatedSides, stepNames, type AppStore, type Step, type StepName } from './app-state';
 import { reversed } from './match-direction';
-import { createMatcher } from './matcher';
+import { createMatcher, type DeviceChoice } from './matcher';
 import type { ScanSource } from './scan-source';
 import { sentence } from './sentences';
 import { sides, type Side } from './side';
@@ -15,7 +15,7 @@ type Outcome = 'done' | 'failed' | 'ended';
  */
 export class Session {
   readonly #store: AppStore;
-  readonly #matcher: Promise<Matcher>;
+  #matcher: Promise<Matcher>;
   /** The work under way, by step; newer work on a step takes the older one's place. */
   readonly #tasks = new Map<StepName, AbortController>();
   /** Scans arrived since the last match began: match when nothing is being prepared any more. */
@@ -23,11 +23,38 @@ export class Session {
 
   constructor(store: AppStore) {
     this.#store = store;
-    this.#matcher = createMatcher();
+    this.#matcher = createMatcher(store.get().deviceChoice);
     this.#matcher.then(
       (matcher) => store.set({ device: matcher.device }),
       (error: unknown) => this.#setError('match', `The matching program could not start. ${sentence(error)}`),
     );
+  }
+
+  /** Goes on with another device, from the next step on. If there is none the one before stays. */
+  async use(choice: DeviceChoice): Promise<void> {
+    const before = this.#store.get().deviceChoice;
+    if (choice === before) return;
+    this.cancel();
+    this.#setError('match', null);
+    this.#store.set({ deviceChoice: choice, device: null });
+    const [old, next] = [this.#matcher, createMatcher(choice)];
+    const matcher = next.catch(() => old);
+    this.#matcher = matcher;
+    // A later choice may have overtaken this one by the time it is opened.
+    const current = () => this.#matcher === matcher;
+    try {
+      const { device } = await next;
+      void old.then((matcher) => matcher.dispose());
+      if (current()) this.#store.set({ device });
+    } catch (error) {
+      const device = await old.then(
+        (matcher) => matcher.device,
+        () => null,
+      );
+      if (!current()) return;
+      this.#store.set({ deviceChoice: before, device });
+      this.#setError('match', sentence(error));
+    }
   }
 
   /** Prepares scans that came together, then matches if both sides have one, prepared with the same choices. If one of them cannot be read nothing is matched. */
@@ -152,12 +179,15 @@ export class Session {
       this.#setStep(name, step);
     };
     try {
-      await work(await this.#matcher, {
+      const matcher = await this.#matcher;
+      await work(matcher, {
         signal: task.signal,
         onProgress: ({ stage, fraction }) => {
           if (!task.signal.aborted) this.#setStep(name, { status: 'running', stage, fraction, source });
         },
       });
+      // A GPU may have been lost on the way.
+      if (this.#store.get().device) this.#store.set({ device: matcher.device });
       if (task.signal.aborted) return 'ended';
       finish({ status: 'done' });
       return 'done';

@@ -31,6 +31,10 @@ impl Device for Cpu {
         matrix.as_standard_layout().into_owned()
     }
 
+    fn upload_indices(&self, indices: &[u32]) -> Vec<u32> {
+        indices.to_vec()
+    }
+
     async fn download(&self, tensor: &Array2<f32>) -> Array2<f32> {
         tensor.clone()
     }

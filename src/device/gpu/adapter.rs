@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::failure::Failure;
+use super::failure::{Failure, sentence};
 
 /// What kind of device will do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,19 +32,15 @@ pub(super) struct Opened {
 
 /// Opens the fastest device there is, within the limits that every WebGPU device has.
 pub(super) async fn open(options: GpuOptions) -> Result<Opened, String> {
+    let no_gpu = |reason: String| format!("no GPU was found ({reason})");
+    #[cfg(target_arch = "wasm32")]
+    let info = in_browser().await.map_err(no_gpu)?;
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let request =
         wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
-    let adapter = instance.request_adapter(&request).await.map_err(|error| format!("no GPU was found ({error})"))?;
-    let found = adapter.get_info();
-    let info = GpuInfo {
-        name: found.name,
-        backend: match found.backend {
-            wgpu::Backend::BrowserWebGpu => "WebGPU".to_owned(),
-            other => format!("{other:?}"),
-        },
-        software: found.device_type == wgpu::DeviceType::Cpu,
-    };
+    let adapter = instance.request_adapter(&request).await.map_err(|error| no_gpu(error.to_string()))?;
+    #[cfg(not(target_arch = "wasm32"))]
+    let info = described(&adapter);
     if info.software && !options.software {
         return Err(format!("the only GPU is one in software ({}), slower than the CPU path", info.name));
     }
@@ -53,15 +49,57 @@ pub(super) async fn open(options: GpuOptions) -> Result<Opened, String> {
     let (device, queue) = opened.map_err(|error| format!("{} could not be opened ({error})", info.name))?;
     let failure = Failure::default();
     let (on_error, on_loss) = (failure.clone(), failure.clone());
-    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-        on_error.set(match error {
-            wgpu::Error::OutOfMemory { .. } => "the GPU is out of memory".to_owned(),
-            other => format!("the GPU refused its work: {other}"),
-        });
-    }));
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error.set(sentence(&error))));
     device.set_device_lost_callback(move |reason, message| {
         let message = if message.is_empty() { String::new() } else { format!(": {message}") };
         on_loss.set_lost(format!("the GPU was lost ({reason:?}{message})"));
     });
     Ok(Opened { info, device, queue, failure })
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn described(adapter: &wgpu::Adapter) -> GpuInfo {
+    let found = adapter.get_info();
+    GpuInfo {
+        name: found.name,
+        backend: format!("{:?}", found.backend),
+        software: found.device_type == wgpu::DeviceType::Cpu,
+    }
+}
+
+/// The adapter as the browser tells of it: wgpu knows no vendor and no architecture, which is all that most browsers say, panics outside of windows
+/// and workers, and traps where an adapter has no `info`.
+#[cfg(target_arch = "wasm32")]
+async fn in_browser() -> Result<GpuInfo, String> {
+    use js_sys::{Function, Object, Promise, Reflect};
+    use wasm_bindgen::{JsCast, JsValue};
+
+    let get = |object: &JsValue, name: &str| {
+        let found = Reflect::get(object, &name.into()).ok();
+        found.filter(|value| !value.is_undefined() && !value.is_null())
+    };
+    let global: JsValue = js_sys::global().into();
+    let of_browser = ["Window", "WorkerGlobalScope"].iter().any(|kind| get(&global, kind).is_some());
+    let gpu = get(&global, "navigator").and_then(|navigator| get(&navigator, "gpu")).filter(|_| of_browser);
+    let missing = "the engine has no WebGPU, or the page is not served over HTTPS";
+    let gpu = gpu.ok_or(missing)?;
+    let options = Object::new();
+    let asked = Reflect::set(&options, &"powerPreference".into(), &"high-performance".into())
+        .and_then(|_| Reflect::get(&gpu, &"requestAdapter".into()))
+        .and_then(|request| request.dyn_into::<Function>())
+        .and_then(|request| request.call1(&gpu, &options))
+        .and_then(|promise| promise.dyn_into::<Promise>());
+    let adapter = wasm_bindgen_futures::JsFuture::from(asked.map_err(|_| missing)?).await.map_err(|_| missing)?;
+    if adapter.is_null() {
+        return Err("the browser gives none".to_owned());
+    }
+    let about = get(&adapter, "info").ok_or("the browser does not say what it is")?;
+    let said = |name: &str| get(&about, name).and_then(|value| value.as_string()).unwrap_or_default();
+    let software = [&about, &adapter].iter().find_map(|object| get(object, "isFallbackAdapter")?.as_bool());
+    let name = match said("description") {
+        description if description.is_empty() => format!("{} {}", said("vendor"), said("architecture")),
+        description => description,
+    };
+    let name = if name.trim().is_empty() { "not named by the browser".to_owned() } else { name.trim().to_owned() };
+    Ok(GpuInfo { name, backend: "WebGPU".to_owned(), software: software.unwrap_or(false) })
 }

@@ -2,6 +2,7 @@
 
 use ndarray::{Array2, ArrayView2};
 
+use super::nearest_rows::TILE;
 use super::{Gpu, GpuTensor};
 use crate::device::{Cpu, Device};
 
@@ -30,6 +31,8 @@ const UNKNOWNS: usize = 21;
 const PARTS: usize = 5;
 /// As many keys as matching uses, less one.
 const KEYS: usize = 1023;
+/// Rows of a product that is shared out.
+const LONG: usize = 600;
 /// Rows of the self-test: more than a tile.
 const SELF_TEST: usize = 65;
 
@@ -145,6 +148,10 @@ impl Gpu {
         to.matrix("matmul_nt", 1e-5, Cpu.matmul_nt(&x, &few), &self.matmul_nt(&on_x, &on_few)).await;
         to.matrix("linear", 1e-5, Cpu.linear(&x, &weight, &bias), &self.linear(&on_x, &on_weight, &on_bias)).await;
 
+        // A long inner index is shared out, and the shares are summed.
+        let (long, wide) = (numbers.matrix(LONG, UNKNOWNS, scale), numbers.matrix(LONG, COLUMNS, 1.0));
+        to.matrix("sum", 1e-5, Cpu.matmul_tn(&long, &wide), &self.matmul_tn(&up(&long), &up(&wide))).await;
+
         let (gain, shift) = (numbers.matrix(1, COLUMNS, 1.0), numbers.matrix(1, COLUMNS, 1.0));
         let normal = self.layer_norm(&on_x, &up(&gain), &up(&shift));
         to.matrix("layer_norm", 1e-5, Cpu.layer_norm(&x, &gain, &shift), &normal).await;
@@ -194,7 +201,8 @@ impl Gpu {
         }
         let on_y = up(&y);
         let (to_y, to_x) = Cpu.nearest_rows(&x, &y, None);
-        let (on_to_y, on_to_x) = self.nearest_rows(&on_x, &on_y, None);
+        // In several dispatches, as large matrices are compared.
+        let (on_to_y, on_to_x) = self.nearest_in_slabs(&on_x, &on_y, None, TILE);
         let (found_y, found_x) = (self.download_indices(&on_to_y).await, self.download_indices(&on_to_x).await);
         to.neighbours("nearest_rows", x.view(), y.view(), &to_y, &found_y);
         to.neighbours("nearest_rows back", y.view(), x.view(), &to_x, &found_x);

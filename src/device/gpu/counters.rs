@@ -17,7 +17,7 @@ pub struct GpuCounters {
     pub submissions: u64,
     /// Floating-point operations; a fused multiply and add counts as two, an exponential as one.
     pub flops: u64,
-    /// Bytes of all the buffers that dispatches named, each once per dispatch: the least that moves between memory and processor.
+    /// Bytes of the buffers that dispatches named, each once per dispatch, whole: about what moves between memory and processor, where caches are perfect.
     pub bytes_touched: u64,
 }
 

@@ -2,8 +2,13 @@
 //! the name of its twin in `cpu/`.
 //!
 //! Work is recorded, not done, until something is downloaded. What goes wrong (the device is lost, memory runs out, a driver refuses) travels through no
-//! return value: it sets [`Gpu::failure`], after which every operation gives a tensor of the right shape with nothing in it and downloads
+//! return value: it sets [`Device::failure`], after which every operation gives a tensor of the right shape with nothing in it and downloads
 //! give zeros. Whoever downloads asks for the failure and repeats the work on the CPU.
+//!
+//! Not here, and why: products of sparse matrices, since gradients of eigenfunctions are made with the operators, on the CPU in f64, and come up dense;
+//! second-best neighbours, since confidence is judged by what else is known; pipelines made in the background, since wgpu has no call for it. Features
+//! come down when a shape is prepared, as bytes that outlive the device, and go up once with a match. In every round of refinement the systems of both maps and
+//! the match come down, because solving and laying bodies onto each other are the CPU's work, and what they give goes up.
 
 mod adapter;
 mod agreement;
@@ -37,7 +42,7 @@ pub use tensor::{GpuIndices, GpuTensor};
 
 use super::Device;
 use columns::ColumnKernels;
-use failure::Failure;
+use failure::{Failure, Watch};
 use kernel::Kernel;
 use matmul::{MatmulKernels, Transposed};
 use nearest_rows::NearestKernels;
@@ -53,6 +58,7 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     failure: Failure,
+    watch: Watch,
     kernels: Kernels,
     pool: Rc<Pool>,
     /// Parameters of the dispatches of one submission.
@@ -102,6 +108,7 @@ impl Gpu {
             device,
             queue,
             failure,
+            watch: Watch::default(),
             kernels,
             pool: Rc::default(),
             arena,
@@ -109,6 +116,7 @@ impl Gpu {
             recording: RefCell::default(),
             counters: Cell::default(),
         };
+        gpu.begin_watch();
         match gpu.failure() {
             Some(message) => Err(message),
             None => Ok(gpu),
@@ -118,12 +126,6 @@ impl Gpu {
     /// Which device this is.
     pub fn info(&self) -> &GpuInfo {
         &self.info
-    }
-
-    /// What went wrong, if anything did. Nothing that was downloaded since can be used.
-    pub fn failure(&self) -> Option<String> {
-        self.listen();
-        self.failure.message().map(str::to_owned)
     }
 
     /// What was done so far.
@@ -136,9 +138,21 @@ impl Gpu {
         self.pool.size()
     }
 
+    /// Gives back memory that waits to be used again, but for `most` bytes.
+    pub fn trim(&self, most: u64) {
+        self.submit();
+        self.pool.trim(most);
+    }
+
     /// Ends the device as a driver might, for tests.
     pub fn destroy(&self) {
         self.device.destroy();
+    }
+
+    /// What ends the device, to be kept by others.
+    pub(crate) fn losing(&self) -> impl Fn() + 'static {
+        let device = self.device.clone();
+        move || device.destroy()
     }
 
     fn count(&self, change: impl FnOnce(&mut GpuCounters)) {
@@ -152,9 +166,9 @@ impl Gpu {
         GpuTensor { memory: self.room(rows * cols), rows, cols }
     }
 
-    /// Unwritten indices.
-    fn indices(&self, count: usize) -> GpuIndices {
-        GpuIndices { memory: self.room(count), count }
+    /// Unwritten indices, each to be below `bound`.
+    fn indices(&self, count: usize, bound: usize) -> GpuIndices {
+        GpuIndices { memory: self.room(count), count, bound }
     }
 }
 
@@ -169,11 +183,20 @@ impl Device for Gpu {
     type Tensor = GpuTensor;
     type Indices = GpuIndices;
 
+    fn failure(&self) -> Option<String> {
+        self.listen();
+        self.failure.message().map(str::to_owned)
+    }
+
     fn upload(&self, matrix: ArrayView2<f32>) -> GpuTensor {
         let (rows, cols) = matrix.dim();
         let values = matrix.as_standard_layout();
         let values = values.as_slice().expect("standard layout");
         GpuTensor { memory: self.send(bytemuck::cast_slice(values)), rows, cols }
+    }
+
+    fn upload_indices(&self, indices: &[u32]) -> GpuIndices {
+        GpuIndices { memory: self.send(bytemuck::cast_slice(indices)), count: indices.len(), bound: usize::MAX }
     }
 
     async fn download(&self, tensor: &GpuTensor) -> Array2<f32> {
@@ -185,7 +208,13 @@ impl Device for Gpu {
 
     async fn download_indices(&self, indices: &GpuIndices) -> Vec<u32> {
         let bytes = self.fetch(&indices.memory, 4 * indices.count as u64).await;
-        bytes.map_or_else(|| vec![0; indices.count], |bytes| bytemuck::pod_collect_to_vec(&bytes))
+        let values = bytes.map(|bytes| bytemuck::pod_collect_to_vec::<u8, u32>(&bytes));
+        let none = || vec![0; indices.count];
+        if values.iter().flatten().any(|&index| index as usize >= indices.bound.max(1)) {
+            self.failure.set("the GPU gave an index that there is not".to_owned());
+            return none();
+        }
+        values.unwrap_or_else(none)
     }
 
     fn matmul(&self, a: &GpuTensor, b: &GpuTensor) -> GpuTensor {

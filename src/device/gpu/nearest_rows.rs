@@ -10,7 +10,7 @@ use super::recording::rows_per_dispatch;
 use super::{Gpu, GpuIndices, GpuTensor};
 
 /// Rows of either matrix per workgroup.
-const TILE: usize = 64;
+pub(super) const TILE: usize = 64;
 /// Label of rows that may be compared with any, as in the shaders.
 const ANY: u32 = u32::MAX;
 
@@ -64,9 +64,20 @@ impl Gpu {
         y: &GpuTensor,
         parts: Option<(&[u32], &[u32])>,
     ) -> (GpuIndices, GpuIndices) {
+        self.nearest_in_slabs(x, y, parts, usize::MAX)
+    }
+
+    /// In dispatches of at most `most` rows of x, a multiple of a tile.
+    pub(super) fn nearest_in_slabs(
+        &self,
+        x: &GpuTensor,
+        y: &GpuTensor,
+        parts: Option<(&[u32], &[u32])>,
+        most: usize,
+    ) -> (GpuIndices, GpuIndices) {
         assert_eq!(x.cols, y.cols, "rows to compare have one length");
         let (n, m) = (x.rows, y.rows);
-        let (to_y, to_x) = (self.indices(n), self.indices(m));
+        let (to_y, to_x) = (self.indices(n, m), self.indices(m, n));
         let labelled = usize::from(parts.is_some());
         let orders = parts.map(|(of_x, of_y)| {
             assert_eq!((of_x.len(), of_y.len()), (n, m), "a label per row");
@@ -81,7 +92,7 @@ impl Gpu {
         let [squares_x, squares_y] = [x, y].map(|rows| self.by_rows(&self.kernels.rows.squares, rows, None, 1, 2));
 
         let work_per_row = 2 * candidates as u64 * x.cols as u64;
-        let slab = rows_per_dispatch(work_per_row, TILE);
+        let slab = rows_per_dispatch(work_per_row, TILE).min(most);
         let tiles_of_y = m.div_ceil(TILE);
         // For each row the nearest in each tile of the other matrix; the first row of these is that of all tiles so far.
         let best_of_x = self.room(2 * (1 + tiles_of_y) * slab.min(n));

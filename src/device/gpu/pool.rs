@@ -93,6 +93,21 @@ impl Pool {
         }
     }
 
+    /// Frees buffers in waiting until they hold at most `most` bytes. Nothing unsubmitted may name them.
+    pub fn trim(&self, most: u64) {
+        let shelves = &mut *self.0.borrow_mut();
+        for (&(_, bytes), waiting) in shelves.idle.iter_mut().rev() {
+            while shelves.size.idle_bytes > most
+                && let Some(buffer) = waiting.pop()
+            {
+                buffer.destroy();
+                shelves.size.buffers -= 1;
+                shelves.size.bytes -= bytes;
+                shelves.size.idle_bytes -= bytes;
+            }
+        }
+    }
+
     pub fn size(&self) -> PoolSize {
         self.0.borrow().size
     }

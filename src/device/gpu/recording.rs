@@ -74,7 +74,11 @@ impl Gpu {
         self.count(|counters| {
             counters.dispatches += 1;
             counters.flops += work;
-            counters.bytes_touched += buffers.iter().map(|memory| memory.bytes).sum::<u64>();
+            // Bindings that a shader has no use for name a buffer again.
+            let first =
+                |&(i, memory): &(usize, &&Memory)| !buffers[..i].iter().any(|earlier| std::ptr::eq(*earlier, *memory));
+            counters.bytes_touched +=
+                buffers.iter().enumerate().filter(first).map(|(_, memory)| memory.bytes).sum::<u64>();
         });
     }
 

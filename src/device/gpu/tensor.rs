@@ -28,4 +28,6 @@ impl GpuTensor {
 pub struct GpuIndices {
     pub(super) memory: Rc<Memory>,
     pub(super) count: usize,
+    /// Rows of the matrix that they index.
+    pub(super) bound: usize,
 }

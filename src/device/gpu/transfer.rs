@@ -56,7 +56,9 @@ impl Gpu {
         let (mapped, signal) = signal();
         target.map_async(wgpu::MapMode::Read, ..bytes, move |result| mapped.give(result.is_ok()));
         self.wait();
-        if !signal.await {
+        let arrived = signal.await;
+        self.hear_complaints().await;
+        if !arrived {
             self.failure.set("the GPU did not hand back its results".to_owned());
             return None;
         }

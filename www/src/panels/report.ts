@@ -1,21 +1,15 @@
-import type { Match, Stage } from 'geose-fmap';
+import type { Fallback, Match, Stage } from 'geose-fmap';
 import type { AppState, AppStore } from '../app-state';
 import { byId, create } from '../dom';
 import { asSentence, capital, count, counted, seconds, stageWords } from '../sentences';
+import { letter, sides } from '../side';
 import { table } from './table';
 
 /** What ran where and for how long. */
 export function showReport(store: AppStore): void {
   const place = byId('report', HTMLElement);
-  const device = byId('device', HTMLElement);
-  store.watch(['device'], (state) => {
-    device.textContent = state.device ? deviceName(state.device.kind) : '';
-    device.title = state.device?.reason ?? '';
-  });
-  store.watch(['device', 'scans', 'result'], (state) => place.replaceChildren(...timePart(state), ...devicePart(state)));
+  store.watch(['scans', 'result'], (state) => place.replaceChildren(...timePart(state), ...runPart(state)));
 }
-
-const deviceName = (kind: 'cpu' | 'webgpu'): string => (kind === 'webgpu' ? 'Runs on WebGPU' : 'Runs on the CPU');
 
 function timePart({ scans, result }: AppState): Node[] {
   const columns = [
@@ -32,18 +26,23 @@ function timePart({ scans, result }: AppState): Node[] {
   return [table('Time', ['', ...shown.map(([name]) => name)], [...rows, ['Together', ...total]])];
 }
 
-function devicePart({ device, result }: AppState): Node[] {
-  if (!device) return [];
-  const adapter = device.adapter === undefined ? '' : ` (${device.adapter})`;
-  const sentences = [`${deviceName(device.kind)}${adapter}. ${asSentence(device.reason)}`, ...(result ? runSentences(result.match) : [])];
-  return [create('h3', { textContent: 'Device' }), ...sentences.map((textContent) => create('p', { className: 'facts', textContent }))];
+function runPart({ scans, result }: AppState): Node[] {
+  const prepared = sides.flatMap((side) => fallbackSentence(`scan ${letter(side)}`, scans[side]?.shape.info.fallback ?? null));
+  const sentences = [...prepared, ...(result ? matchSentences(result.match) : [])];
+  return sentences.map((textContent) => create('p', { className: 'facts', textContent }));
 }
 
-function runSentences({ report }: Match): string[] {
-  const { fallback, gpu, peakMemoryBytes, weights } = report;
+const fallbackSentence = (what: string, fallback: Fallback | null): string[] =>
+  fallback ? [asSentence(`${what} went on with the CPU while ${stageWords[fallback.stage]}: ${fallback.reason}`)] : [];
+
+function matchSentences({ report }: Match): string[] {
+  const { device, fallback, gpu, peakMemoryBytes, weights } = report;
   return [
-    ...(fallback ? [asSentence(`while ${stageWords[fallback.stage]} it went on with the CPU: ${fallback.reason}`)] : []),
-    ...(gpu.dispatches > 0 ? [`${counted(gpu.dispatches, 'dispatch').replace('dispatchs', 'dispatches')} on the GPU.`] : []),
+    device === 'webgpu' ? 'Matched on WebGPU.' : 'Matched on the CPU.',
+    ...fallbackSentence('the match', fallback),
+    ...(gpu.dispatches > 0
+      ? [`The GPU ran ${count(gpu.dispatches)} shaders, on ${counted(gpu.uploads, 'upload')}, for ${counted(gpu.downloads, 'download')}.`]
+      : []),
     `At most ${count(Math.round(peakMemoryBytes / 1e6))} MB were in use.`,
     ...(weights ? [`Weights ${weights.name}, version ${weights.version}.`] : []),
   ];
