@@ -14,7 +14,7 @@ use geose_fmap::{
 };
 use safetensors::SafeTensors;
 use shapes::{
-    BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, soup, subdivided, torus,
+    BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, sheet, soup, subdivided, torus,
     turn,
 };
 
@@ -647,6 +647,17 @@ fn a_large_mesh_is_matched_by_a_simplified_one_and_every_vertex_finds_its_own() 
     hit.sort_unstable();
     hit.dedup();
     assert!(hit.len() > 4000, "{}", hit.len());
+}
+
+#[test]
+fn a_crumb_between_two_pieces_of_a_large_mesh_does_not_join_them() {
+    let balls = icosphere(6).beside(&icosphere(5).moved(|[x, y, z]| [x + 2.2, y, z])); // 51 thousand vertices
+    let strip = sheet(16, 8).moved(|[x, y, z]| [1.02 + 0.16 * x / 15.0, 0.4 * (y / 7.0 - 0.5), z]);
+    for (name, mesh) in [("apart", balls.clone()), ("with a strip between them", balls.beside(&strip))] {
+        let large = prepared(mesh.shape(), &quick());
+        assert!(large.repairs.iter().any(|repair| repair.code == "mesh-simplified"), "{name}");
+        assert_eq!(large.info.pieces, 2, "{name}");
+    }
 }
 
 #[test]

@@ -142,6 +142,15 @@ impl Shape {
         Self::already_valid(samples.iter().map(|&i| self.points[i as usize]).collect(), faces, None)
     }
 
+    /// The same points with the faces between some of them.
+    pub(crate) fn with_faces_among(&self, points: &[u32]) -> Self {
+        let mut among = vec![false; self.points.len()];
+        points.iter().for_each(|&i| among[i as usize] = true);
+        let mut shape = self.clone();
+        shape.faces.retain(|face| face.iter().all(|&i| among[i as usize]));
+        shape
+    }
+
     /// For each point (n) the first one at exactly its place.
     pub(crate) fn first_at_place(&self) -> Vec<u32> {
         first_at_place(&self.points)

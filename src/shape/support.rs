@@ -58,6 +58,8 @@ pub fn support(
     on_mesh: bool,
     heard: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
 ) -> Result<(Support, Shape), Cancelled> {
+    // What was set aside joins nothing.
+    let shape = &shape.with_faces_among(&surface);
     let whole = surface.len() <= count + count / 2;
     let mut support = Support::default();
     if !whole && !on_mesh {
