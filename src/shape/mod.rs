@@ -17,7 +17,9 @@ pub use crumbs::{Crumbs, set_crumbs_aside};
 pub use error::ShapeError;
 pub use repair::Repair;
 pub use sample::{farthest_points, nearest_samples};
-pub use simplify::{Simplified, cells, simplify};
+#[cfg(feature = "train")]
+pub use simplify::{Simplified, draw_together};
+pub use simplify::{THIN_LIMIT, cells, simplify};
 pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;
