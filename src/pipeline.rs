@@ -135,6 +135,9 @@ pub(crate) fn prepare_with_shape(
         progress.at(Stage::Sample, share)
     };
     let (mut support, operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
+    if operator_shape.points().len() < MIN_POINTS {
+        return Err(ShapeError::TooFewPoints { found: operator_shape.points().len(), needed: MIN_POINTS }.into());
+    }
     repairs.extend(Repair::counted("thin-parts-lost", lost, || {
         let points = counted(lost, "point", "points");
         format!("{points} in parts too thin for the simplified mesh; they are matched like what they hang on")

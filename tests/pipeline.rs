@@ -777,6 +777,10 @@ fn a_thread_that_no_simplified_mesh_has_room_for_is_said_to_be_lost() {
     let lost = large.repairs.iter().find(|repair| repair.code == "thin-parts-lost").expect("said");
     println!("{}", lost.message);
     assert_match("a thread", &large, &large);
+    // A thread and nothing else.
+    let thread = torus(30.0, 0.0005, 20_000, 4);
+    let error = prepare(thread.shape(), None, &quick(), &mut Progress::silent()).expect_err("nothing is left of it");
+    assert_eq!(error.code(), "too-few-points");
 }
 
 #[test]

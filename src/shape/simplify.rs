@@ -42,7 +42,7 @@ pub fn simplify(
     }
     let bare = without_face(&faces, vertices.len());
     let lost = allowed.iter().filter(|&&v| bare[cell[v as usize] as usize]).count();
-    if lost > 0 && !faces.is_empty() {
+    if lost > 0 {
         let row = replace(shape, &mut vertices, &mut cell, &bare, Vec::new());
         faces.iter_mut().flatten().for_each(|corner| *corner = row[*corner as usize]);
     }
