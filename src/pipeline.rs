@@ -19,7 +19,8 @@ use crate::prepared::{Info, PreparedShape, ShapeKind};
 use crate::processor::{DeviceKind, GpuUse};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::{
-    Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, counted, farthest_points, set_crumbs_aside, support,
+    Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, THIN_LIMIT, counted, farthest_points, set_crumbs_aside,
+    support,
 };
 use crate::spectrum::{check_size, spectrum};
 
@@ -127,7 +128,8 @@ pub(crate) fn prepare_with_shape(
     // Cotangents need the mesh; the other kinds are built on the points that are used.
     let kind = options.laplacian.unwrap_or(operators::default_kind(&used_shape));
     let on_mesh = kind == LaplacianKind::Cotangent && !used_shape.faces().is_empty();
-    let most = if on_mesh { MESH_LIMIT.max(options.points) } else { options.points.saturating_add(options.points / 2) };
+    let more = if on_mesh { THIN_LIMIT } else { options.points / 2 };
+    let most = options.points.saturating_add(more).max(if on_mesh { MESH_LIMIT } else { 0 });
     check_size(surface.len().min(most), options.eigenpairs)?;
     let Crumbs { body: surface, crumbs, far, pieces: crumb_count } = set_crumbs_aside(&used_shape, &surface);
     repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
@@ -153,7 +155,14 @@ pub(crate) fn prepare_with_shape(
         share = share.max(0.9 * done);
         progress.at(Stage::Sample, share)
     };
-    let (mut support, operator_shape) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
+    let (mut support, operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
+    if operator_shape.points().len() < MIN_POINTS {
+        return Err(ShapeError::TooFewPoints { found: operator_shape.points().len(), needed: MIN_POINTS }.into());
+    }
+    repairs.extend(Repair::counted("thin-parts-lost", lost, || {
+        let points = counted(lost, "point", "points");
+        format!("{points} in parts too thin for the simplified mesh; they are matched like what they hang on")
+    }));
     support.unmatched = (!far.is_empty()).then_some(far);
     let used: Vec<[f64; 3]> =
         (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();

@@ -540,14 +540,28 @@ fn wrong_use_ends_with_2_and_what_cannot_be_done_with_1() {
     let few = set.run(&["--mode", "mesh", "--eigenpairs", "5"]);
     assert_eq!(few.code, Some(2), "{}", few.err);
     assert!(few.err.contains("eigenpairs must be between"), "{}", few.err);
+    // What has nowhere to go is not made: not even the scan is read.
+    for verb in [
+        &["match", "/nowhere/a.off", "/nowhere/b.off", "-o", "/nowhere/map.csv"][..],
+        &["laplacian", "/nowhere/a.off", "-o", "/nowhere/l.mtx"],
+    ] {
+        let ended = run(verb);
+        assert_eq!(ended.code, Some(1), "{verb:?}");
+        assert!(ended.err.contains("/nowhere is no folder"), "{}", ended.err);
+    }
     // The same for the other verbs.
     let flat = set.folder.join("shapes/flat.off");
     let flat = flat.to_str().expect("text");
     let map = set.folder.join("map.csv");
     let matching = ["match", flat, flat, "-o", map.to_str().expect("text")];
-    for verb in [&matching[..], &["info", flat]] {
+    let operator = set.folder.join("l.mtx");
+    let operator = ["laplacian", flat, "-o", operator.to_str().expect("text")];
+    for verb in [&matching[..], &["info", flat], &operator] {
+        assert_eq!(run(&[verb, &["--points", "3"]].concat()).code, Some(2), "{verb:?}");
         assert_eq!(run(&[verb, &["--device", "webgpu"]].concat()).code, Some(1), "{verb:?}");
-        assert_eq!(run(&[verb, &["--weights", "w"]].concat()).code, Some(1), "{verb:?}");
+        if verb[0] != "laplacian" {
+            assert_eq!(run(&[verb, &["--weights", "w"]].concat()).code, Some(1), "{verb:?}");
+        }
         assert_eq!(run(&[verb, &["--device", "abacus"]].concat()).code, Some(2), "{verb:?}");
         assert_eq!(
             run(&[verb, &["--device", "cpu", "--seed", "3", "--eigenpairs", "60"]].concat()).code,
@@ -558,20 +572,18 @@ fn wrong_use_ends_with_2_and_what_cannot_be_done_with_1() {
 }
 
 #[test]
-fn the_oracle_of_a_real_pair_is_what_its_basis_allows() {
-    let Some(sets) = std::env::var_os("GEOSE_EVAL_DIR").map(PathBuf::from) else {
-        println!("GEOSE_EVAL_DIR is not set: nothing measured");
-        return;
-    };
-    let set = sets.join("faust_r");
+#[ignore = "needs the evaluation sets: set GEOSE_EVAL_DIR and pass --include-ignored"]
+fn the_oracle_of_real_pairs_is_what_their_bases_allow() {
+    let set = PathBuf::from(std::env::var_os("GEOSE_EVAL_DIR").expect("GEOSE_EVAL_DIR names a folder")).join("faust_r");
     let json = Path::new(env!("CARGO_TARGET_TMPDIR")).join("faust_r-oracle.json");
     let (set, file) = (set.to_str().expect("text"), json.to_str().expect("text"));
-    let options = ["evaluate", "--dataset", set, "--mode", "mesh", "--oracle", "--limit", "1", "--json", file];
+    let options = ["evaluate", "--dataset", set, "--mode", "mesh", "--oracle", "--limit", "8", "--json", file];
     let ended = run(&options);
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     let found: Value = serde_json::from_slice(&std::fs::read(&json).expect("a file")).expect("JSON");
     println!("{}", ended.out);
     let age = number(&found["age"]);
-    assert!(0.5 < age && age < 3.0, "{age}");
+    // Measured 1.48.
+    assert!(1.3 < age && age < 1.6, "{age}");
     assert_eq!(found["flips"], 0);
 }

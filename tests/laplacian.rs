@@ -448,12 +448,25 @@ fn the_literal_laplacian_is_algorithm_1_word_for_word() {
 }
 
 #[test]
-fn the_default_differs_from_the_baseline_where_sheets_come_close_and_hardly_elsewhere() {
-    let [fold, sphere] = [folded_strip(60, 9, 1.9), fibonacci_sphere(500)].map(|soup| {
-        let [geodesic, euclidean] =
-            [LaplacianKind::Geodesic, LaplacianKind::Euclidean].map(|kind| laplacian(&soup.shape(), kind).matrix);
-        difference(&geodesic, &euclidean)
+fn the_default_ties_sheets_that_come_close_less_than_the_baseline_and_hardly_differs_elsewhere() {
+    const ROW: usize = 9;
+    let (fold, sphere) = (folded_strip(60, ROW as u32, 1.9), fibonacci_sphere(500));
+    let kinds = [LaplacianKind::Geodesic, LaplacianKind::Euclidean];
+    // Weight of edges across the gap as a multiple of that of edges along the strip.
+    let [geodesic, euclidean] = kinds.map(|kind| {
+        let matrix = laplacian(&fold.shape(), kind).matrix;
+        let (mut across, mut along) = (0.0, 0.0);
+        for (&value, (i, j)) in matrix.iter().filter(|(_, (i, j))| i != j) {
+            // An edge of 20 in one sheet ends within five rows.
+            let sum = if (i / ROW).abs_diff(j / ROW) > 5 { &mut across } else { &mut along };
+            *sum -= value;
+        }
+        across / along
     });
-    println!("fold {fold}, sphere {sphere}");
-    assert!(fold > 0.1 && sphere < 0.01, "{fold} {sphere}");
+    let [of_geodesic, of_euclidean] = kinds.map(|kind| laplacian(&sphere.shape(), kind).matrix);
+    let sphere = difference(&of_geodesic, &of_euclidean);
+    println!("across the gap: {geodesic}, baseline {euclidean}; sphere differs by {sphere}");
+    // Measured 0.023 and 0.204.
+    assert!(euclidean > 0.15 && geodesic < 0.04, "{geodesic} {euclidean}");
+    assert!(sphere < 0.01, "{sphere}");
 }

@@ -4,6 +4,7 @@
 
 mod shapes;
 
+use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
@@ -14,8 +15,8 @@ use geose_fmap::{
 };
 use safetensors::SafeTensors;
 use shapes::{
-    BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, soup, subdivided, torus,
-    turn,
+    BODIES, Random, Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared, scan, sheet, soup, subdivided,
+    torus, turn,
 };
 
 fn matched(a: &PreparedShape, b: &PreparedShape) -> Match {
@@ -544,6 +545,67 @@ fn crumbs_and_strays_are_set_aside_and_change_nothing_for_the_body() {
 }
 
 #[test]
+fn copies_go_with_the_first_point_at_their_place() {
+    const COPIES: usize = 30_000;
+    let with_copies = |count: usize| {
+        let mut cloud = soup(&body(BODIES[0])).cloud();
+        cloud.points.extend(std::iter::repeat_n([0.0, 0.0, 3.0], count)); // a stray
+        cloud.points.extend(std::iter::repeat_n(cloud.points[0], count));
+        prepared(cloud.shape(), &as_cloud())
+    };
+    let (single, cloud, other) = (with_copies(1), with_copies(COPIES), prepared(body(BODIES[2]), &as_cloud()));
+    let aside = cloud.repairs.iter().find(|repair| repair.code == "crumbs-set-aside").expect("said");
+    assert_eq!(aside.count, COPIES);
+    let (found, alone) = (matched(&cloud, &other), matched(&single, &other));
+    let (body, copies) = found.a_to_b.target.split_at(5000);
+    assert!(*body == alone.a_to_b.target[..5000] && found.b_to_a == alone.b_to_a, "copies change nothing");
+    assert!(found.b_to_a.target.iter().all(|&i| i < 5000), "nothing goes to a copy");
+    assert!(copies[..COPIES].iter().all(|&target| target == UNMATCHED));
+    assert!(found.a_to_b.confidence[5000..][..COPIES].iter().all(|&confidence| confidence == 0.0));
+    assert!(copies[COPIES..].iter().all(|&target| target == body[0]));
+    // With labels, also those of another part at one place.
+    let half = |i: usize| u32::from(i >= 5000 + COPIES + COPIES / 2);
+    let labels = (0..cloud.shape.points().len()).map(half).collect();
+    let labelled = Shape::new(cloud.shape.points().to_vec(), vec![], Some(labels)).expect("a valid shape");
+    let labels = (0..5000).map(|i| u32::from(i >= 2500)).collect();
+    let other = Shape::new(other.shape.points().to_vec(), vec![], Some(labels)).expect("a valid shape");
+    let given = MatchOptions { parts: Parts::Given, ..Default::default() };
+    let found = matched_with(&prepared(labelled, &as_cloud()), &prepared(other, &as_cloud()), &given).expect("a match");
+    let copies = &found.a_to_b.target[5000 + COPIES..];
+    assert!(copies[..COPIES / 2].iter().all(|&target| target == found.a_to_b.target[0]));
+    assert!(copies[COPIES / 2..].iter().all(|&target| target == copies[COPIES / 2]));
+}
+
+#[test]
+fn of_loose_triangles_every_corner_of_a_far_crumb_is_unmatched() {
+    let clean = soup(&body(BODIES[0]));
+    let mut crumbs = clean.clone();
+    for k in 0..10 {
+        let (first, centre) = (crumbs.points.len() as u32, [1.5 + 0.1 * f64::from(k), 0.5, 1.0]);
+        let corner = |c: usize| std::array::from_fn(|a| centre[a] + if a == c { 0.01 } else { 0.0 });
+        crumbs.points.extend([centre, corner(0), corner(1), corner(2)]);
+        crumbs.faces.extend([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|f| f.map(|i| first + i)));
+    }
+    let corners: Vec<[f64; 3]> = crumbs.faces.iter().flatten().map(|&i| crumbs.points[i as usize]).collect();
+    let faces = (0..corners.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let of_body = 3 * clean.faces.len();
+    let loose = prepared(Soup { points: corners, faces }.shape(), &quick());
+    let aside = loose.repairs.iter().find(|repair| repair.code == "crumbs-set-aside").expect("said");
+    assert_eq!((aside.count, loose.info.pieces), (120, 1));
+    let other = prepared(body(BODIES[1]), &quick());
+    let found = matched(&loose, &other);
+    let (body, crumbs) = found.a_to_b.target.split_at(of_body);
+    assert!(crumbs.iter().all(|&target| target == UNMATCHED));
+    assert!(found.b_to_a.target.iter().all(|&i| (i as usize) < of_body));
+    let mut targets = vec![UNMATCHED; 5000];
+    for (&corner, &target) in clean.faces.iter().flatten().zip(body) {
+        let of_corner = &mut targets[corner as usize];
+        assert!(target < 5000 && (*of_corner == UNMATCHED || *of_corner == target), "corners at one place part");
+        *of_corner = target;
+    }
+}
+
+#[test]
 fn a_part_matched_onto_the_whole_is_doubted_and_whole_bodies_are_not() {
     let [woman, man] = [body(BODIES[0]), body(BODIES[3])];
     let mut upper = soup(&woman);
@@ -625,6 +687,7 @@ fn a_large_mesh_is_matched_by_a_simplified_one_and_every_vertex_finds_its_own() 
     assert_eq!((a.info.kind, a.info.laplacian, a.points_used()), (ShapeKind::Mesh, LaplacianKind::Cotangent, 5000));
     assert!(a.repairs.iter().any(|repair| repair.code == "mesh-simplified"));
     assert!((a.info.scale / b.info.scale - 1.0).abs() < 0.01, "{} {}", a.info.scale, b.info.scale);
+    println!("{} carriers", a.basis.len());
     let at_unit_area = |shape: &PreparedShape, j: usize| shape.basis.eigenvalues[j] * shape.info.scale.powi(2);
     let worst = (1..60).map(|j| (at_unit_area(&a, j) / at_unit_area(&b, j) - 1.0).abs()).fold(0.0, f64::max);
     println!("eigenvalues 1 to 59 of the large mesh differ by up to {:.2} %", 100.0 * worst);
@@ -645,6 +708,77 @@ fn a_large_mesh_is_matched_by_a_simplified_one_and_every_vertex_finds_its_own() 
     hit.sort_unstable();
     hit.dedup();
     assert!(hit.len() > 4000, "{}", hit.len());
+}
+
+#[test]
+fn a_crumb_between_two_pieces_of_a_large_mesh_does_not_join_them() {
+    let balls = icosphere(6).beside(&icosphere(5).moved(|[x, y, z]| [x + 2.2, y, z])); // 51 thousand vertices
+    let strip = sheet(16, 8).moved(|[x, y, z]| [1.02 + 0.16 * x / 15.0, 0.4 * (y / 7.0 - 0.5), z]);
+    for (name, mesh) in [("apart", balls.clone()), ("with a strip between them", balls.beside(&strip))] {
+        let large = prepared(mesh.shape(), &quick());
+        assert!(large.repairs.iter().any(|repair| repair.code == "mesh-simplified"), "{name}");
+        assert_eq!(large.info.pieces, 2, "{name}");
+    }
+}
+
+/// An uneven egg with a whisker of some radius and length on top; radii and heights of whatever lies above 1 are those of the whisker.
+fn egg_with_whisker(radius: f64, length: f64, rings: u32, around: u32) -> Soup {
+    const EGG: u32 = 300;
+    let turns = (1..EGG).map(|i| PI * f64::from(i) / f64::from(EGG));
+    let egg = turns.filter(|turn| *turn < PI / 2.0 || turn.sin() > radius).map(|turn| (turn.sin(), -turn.cos()));
+    let whisker = (0..rings).map(|i| (radius, 1.0 + length * f64::from(i) / f64::from(rings)));
+    let profile: Vec<(f64, f64)> = egg.chain(whisker).collect();
+    let last = profile.len() as u32 - 1;
+    let mut soup = Soup { points: vec![[0.0, 0.0, -1.0], [0.0, 0.0, 1.0 + length]], faces: vec![] };
+    let at = |ring: u32, k: u32| 2 + ring * around + k % around;
+    for (ring, &(r, z)) in (0..).zip(&profile) {
+        for k in 0..around {
+            let (s, c) = (TAU * f64::from(k) / f64::from(around)).sin_cos();
+            soup.points.push([r * c, r * s, z]);
+            if ring < last {
+                soup.faces.push([at(ring, k), at(ring, k + 1), at(ring + 1, k + 1)]);
+                soup.faces.push([at(ring, k), at(ring + 1, k + 1), at(ring + 1, k)]);
+            }
+        }
+    }
+    soup.faces.extend((0..around).flat_map(|k| [[0, at(0, k + 1), at(0, k)], [1, at(last, k), at(last, k + 1)]]));
+    soup.moved(|[x, y, z]| {
+        if z >= 1.0 {
+            return [x, y, z];
+        }
+        let bump = (-((x - 0.7).powi(2) + (y - 0.3).powi(2) + (z - 0.4).powi(2)) / 0.1).exp();
+        [x + 0.2 * bump, 0.8 * y, if z > 0.0 { z } else { 1.2 * z }]
+    })
+}
+
+#[test]
+fn a_whisker_of_a_large_mesh_stays_on_the_body_and_finds_itself() {
+    let large = prepared(egg_with_whisker(0.005, 1.5, 150, 80).shape(), &PrepareOptions::default());
+    assert!(large.repairs.iter().any(|repair| repair.code == "mesh-simplified"));
+    assert!(large.repairs.iter().all(|repair| repair.code != "thin-parts-lost"));
+    assert_eq!(large.info.pieces, 1);
+    assert!(large.basis.mass.iter().all(|&mass| mass > 0.0), "every carrier carries");
+    let found = assert_match("a whisker", &large, &large);
+    let points = large.shape.points();
+    let whisker: Vec<usize> = (0..points.len()).filter(|&i| points[i][2] > 1.05).collect();
+    let off = whisker.iter().map(|&i| distance(points[i], points[found.a_to_b.target[i] as usize]));
+    let off = off.sum::<f64>() / whisker.len() as f64;
+    println!("{} points of the whisker are {off:.4} off", whisker.len());
+    assert!(off < 0.02, "{off}");
+}
+
+#[test]
+fn a_thread_that_no_simplified_mesh_has_room_for_is_said_to_be_lost() {
+    let large = prepared(egg_with_whisker(0.0005, 200.0, 15_000, 4).shape(), &quick());
+    assert_eq!(large.info.pieces, 1);
+    assert!(large.basis.mass.iter().all(|&mass| mass > 0.0), "every carrier carries");
+    let lost = large.repairs.iter().find(|repair| repair.code == "thin-parts-lost").expect("said");
+    println!("{}", lost.message);
+    assert_match("a thread", &large, &large);
+    // A thread and nothing else.
+    let thread = torus(30.0, 0.0005, 20_000, 4);
+    let error = prepare(thread.shape(), None, &quick(), &mut Progress::silent()).expect_err("nothing is left of it");
+    assert_eq!(error.code(), "too-few-points");
 }
 
 #[test]

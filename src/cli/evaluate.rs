@@ -1,5 +1,6 @@
 //! `geose-fmap evaluate --dataset DIR --mode mesh|cloud|mesh-cloud`
 
+use super::map_file::check_folder;
 use super::{Failure, PathBuf, Preparing, Running, parse, write};
 use crate::evaluate::{Mode, Rotate, Task, evaluate};
 use crate::{Parts, Refinement};
@@ -43,11 +44,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.running.check_cpu()?;
     arguments.preparing.check()?;
     // Measuring may take hours; that the result has nowhere to go should not show at their end.
-    let folder =
-        arguments.json.as_deref().and_then(|file| file.parent()).filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-        return Err(format!("{} is no folder: the JSON file could not be written", folder.display()).into());
-    }
+    arguments.json.as_deref().map_or(Ok(()), check_folder)?;
     let task = Task {
         dataset: arguments.dataset.clone(),
         pairs: arguments.pairs.clone(),

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::map_file::check_folder;
 use super::{Failure, PathBuf, Preparing, Progress, Running, read_scan, write};
 use crate::operators::{default_kind, laplacian};
 
@@ -20,6 +21,8 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.running.check_cpu()?;
+    arguments.preparing.check()?;
+    check_folder(&arguments.output)?;
     let shape = read_scan(&arguments.a)?;
     let kind = arguments.preparing.laplacian.unwrap_or_else(|| default_kind(&shape));
     let built = laplacian(&shape, kind, &mut Progress::silent())?;

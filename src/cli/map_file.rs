@@ -1,7 +1,7 @@
 //! A map as a file: CSV, JSON, or the bodies in colours that correspond.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
@@ -9,6 +9,14 @@ use super::{Failure, write};
 use crate::colour::{LinearRgb, correspondence_colours};
 use crate::write::{glb, ply};
 use crate::{Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED};
+
+/// Says before the work that the folder of `file` is none.
+pub(super) fn check_folder(file: &Path) -> Result<(), Failure> {
+    match file.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+        Some(folder) => Err(format!("{} is no folder: nothing can be written there", folder.display()).into()),
+        None => Ok(()),
+    }
+}
 
 /// Where a map goes, and as what.
 #[derive(Clone, Debug)]
@@ -51,10 +59,7 @@ impl MapFile {
 
     /// Says before the work that there is no folder to write to.
     pub(super) fn check(&self) -> Result<(), Failure> {
-        match self.path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
-            Some(folder) => Err(format!("{}: there is no such folder", folder.display()).into()),
-            None => Ok(()),
-        }
+        check_folder(&self.path)
     }
 
     /// Writes the map. Bodies are two files, of which the second has `.b` before its extension.

@@ -117,10 +117,7 @@ impl Body<'_> {
             .collect();
         let start = self.deformed.take().unwrap_or_else(|| self.guess(&targets));
         // Without memory for the factorisation the body stays where it was, or where the smooth targets are.
-        self.deformed = Some(match self.elastic.pencil() {
-            Some(pencil) => self.elastic.deform(&pencil, &targets, &weights, stiffness, start),
-            None => start,
-        });
+        self.deformed = Some(self.elastic.deform(&targets, &weights, stiffness, start));
     }
 
     /// Targets as smooth as the first eigenfunctions are, and the turn of the body as a whole.

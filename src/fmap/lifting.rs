@@ -1,5 +1,7 @@
 //! From the points used to every uploaded point.
 
+use std::collections::BTreeMap;
+
 use ndarray::Array2;
 
 use super::alignment::{Rotation, best_rotation_and_certainty, turned};
@@ -25,7 +27,7 @@ const CERTAIN: f64 = 1e-3;
 /// Around each point used the map is a rigid motion, fitted to the matches of its neighbours; an uploaded point goes where the motions of the points used
 /// near it take it, and then to the nearest uploaded point of those that belong to their images and those next to them. So fingers of a dense
 /// scan do not stick to the leg they hang beside. `parts` are part labels of all uploaded points, of `from` and of `to`: a point stays in its part wherever
-/// a point of that part is near.
+/// a point of that part is near. Copies of a point go with the first of them, and nothing goes to another than the first.
 pub fn lift(
     matched: &Correspondence,
     from: &PreparedShape,
@@ -35,7 +37,9 @@ pub fn lift(
     if from.support == Support::default() && to.support == Support::default() {
         return matched.clone();
     }
-    let (source, target) = (Sampled::new(from), Sampled::new(to));
+    let (labels_from, labels_to) = parts.unzip();
+    let first = first_alike(from, labels_from);
+    let (source, target) = (Sampled::new(from, &first), Sampled::new(to, &first_alike(to, labels_to)));
     let target_of = |row: usize| matched.target[row] as usize;
     let motions: Vec<Motion> =
         (0..source.points.len()).map(|row| Motion::around(row, &source, &target, &target_of)).collect();
@@ -88,7 +92,23 @@ pub fn lift(
             lifted.confidence[i as usize] = matched.confidence[row];
         }
     }
+    for (i, first) in first.into_iter().enumerate() {
+        lifted.target[i] = lifted.target[first as usize];
+        lifted.confidence[i] = lifted.confidence[first as usize];
+    }
     lifted
+}
+
+/// For each uploaded point the first one at its place, and with its label where labels count.
+fn first_alike(shape: &PreparedShape, labels: Option<&[u32]>) -> Vec<u32> {
+    let mut first = shape.shape.first_at_place();
+    if let Some(labels) = labels {
+        let mut firsts = BTreeMap::new();
+        for (i, (first, &label)) in (0..).zip(first.iter_mut().zip(labels)) {
+            *first = *firsts.entry((*first, label)).or_insert(i);
+        }
+    }
+    first
 }
 
 /// Uploaded points of the other scan that one of its points used stands for.
@@ -106,7 +126,7 @@ fn flags(shape: &PreparedShape) -> Vec<bool> {
     unmatched
 }
 
-/// A scan as its points used, each with its neighbours and the uploaded points it stands for.
+/// A scan as its points used, each with its neighbours and the uploaded points it stands for, without copies.
 struct Sampled {
     points: Vec<[f64; 3]>,
     /// √area.
@@ -117,14 +137,14 @@ struct Sampled {
 }
 
 impl Sampled {
-    fn new(shape: &PreparedShape) -> Self {
+    /// `first` names for each uploaded point the one it is a copy of, or itself.
+    fn new(shape: &PreparedShape, first: &[u32]) -> Self {
         let points: Vec<[f64; 3]> =
             (0..shape.points_used()).map(|row| shape.shape.points()[shape.support.uploaded(row)]).collect();
         let neighbours = nearest_neighbours(&points, AROUND);
         let mut starts = vec![0; points.len() + 1];
-        let n = shape.shape.points().len();
         let unmatched = flags(shape);
-        let matched = || (0..n).filter(|&i| !unmatched[i]);
+        let matched = || (0..first.len()).filter(|&i| first[i] as usize == i && !unmatched[i]);
         matched().for_each(|i| starts[shape.support.row_of(i) + 1] += 1);
         (0..points.len()).for_each(|row| starts[row + 1] += starts[row]);
         let mut next = starts.clone();
@@ -137,7 +157,7 @@ impl Sampled {
         Self { points, scale: shape.info.scale, neighbours, starts, members }
     }
 
-    /// Uploaded points that a point used stands for.
+    /// Uploaded points that a point used stands for, one at each place.
     fn cell(&self, row: usize) -> &[u32] {
         &self.members[self.starts[row]..self.starts[row + 1]]
     }

@@ -3,6 +3,8 @@
 //! Rotations are smoothed over neighbours (Levi & Gotsman 2015 penalise their differences; here neighbours share covariances), which gives a
 //! surface some stiffness against bending.
 
+use std::borrow::Cow;
+
 use sprs::CsMat;
 
 use super::alignment::{Rotation, turned};
@@ -21,9 +23,8 @@ pub(super) struct Elastic {
     rest: Vec<Vector>,
     starts: Vec<usize>,
     neighbours: Vec<u32>,
-    /// Graph Laplacian (s, s), every diagonal entry stored.
-    laplacian: CsMat<f64>,
-    ones: Vec<f64>,
+    /// Graph Laplacian (s, s), ordered once for all factorisations. `None` when there was no memory for it.
+    pencil: Option<Pencil<'static>>,
 }
 
 /// Where the points of a body go, and how their surroundings turn on the way.
@@ -63,7 +64,8 @@ impl Elastic {
             indptr.push(indices.len());
         }
         let laplacian = CsMat::new((n, n), indptr, indices, values);
-        Self { rest, starts, neighbours, laplacian, ones: vec![1.0; n] }
+        let pencil = Pencil::new(Cow::Owned(laplacian), Cow::Owned(vec![1.0; n]));
+        Self { rest, starts, neighbours, pencil }
     }
 
     /// Positions at rest (s, 3).
@@ -81,11 +83,6 @@ impl Elastic {
         &self.neighbours[self.starts[i]..self.starts[i + 1]]
     }
 
-    /// What all factorisations share. `None` when memory for it cannot be had.
-    pub(super) fn pencil(&self) -> Option<Pencil<'_>> {
-        Pencil::new(&self.laplacian, &self.ones)
-    }
-
     /// Positions as they are, the turns still to be found from that of the whole body.
     pub(super) fn laid_at(&self, positions: Vec<Vector>, whole: &Rotation) -> Deformation {
         let turns = vec![quaternion(whole); positions.len()];
@@ -96,7 +93,6 @@ impl Elastic {
     /// `weights` w (s) positive, `stiffness` μ. Stays at `start` if the system cannot be factored.
     pub(super) fn deform(
         &self,
-        pencil: &Pencil<'_>,
         targets: &[Vector],
         weights: &[f64],
         stiffness: f64,
@@ -104,7 +100,9 @@ impl Elastic {
     ) -> Deformation {
         let mut deformed = start;
         let pull: Vec<f64> = weights.iter().map(|w| w / stiffness).collect();
-        let Some(mut factor) = pencil.factor_with(&pull) else { return deformed };
+        let Some(mut factor) = self.pencil.as_ref().and_then(|pencil| pencil.factor_with(&pull)) else {
+            return deformed;
+        };
         let n = self.len();
         let mut right = faer::Mat::<f64>::zeros(n, 3);
         let mut covariances = vec![[[0.0; 3]; 3]; n];
@@ -276,12 +274,11 @@ mod tests {
         let (rest, touching) = rod();
         let elastic = Elastic::new(rest.clone(), &touching);
         let moved: Vec<Vector> = rest.iter().map(|&p| plus(turned(&turn(), p), [3.0, -7.0, 2.0])).collect();
-        let pencil = elastic.pencil().expect("memory");
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         for stiffness in [0.1, 10.0, 1000.0] {
             let start = elastic.laid_at(moved.clone(), &identity);
             let weights: Vec<f64> = (0..rest.len()).map(|i| if i % 3 == 0 { 1.0 } else { 0.02 }).collect();
-            let laid = elastic.deform(&pencil, &moved, &weights, stiffness, start);
+            let laid = elastic.deform(&moved, &weights, stiffness, start);
             let worst =
                 laid.positions.iter().zip(&moved).map(|(&x, &y)| squared_distance(x, y).sqrt()).fold(0.0, f64::max);
             assert!(worst < 1e-7, "μ = {stiffness}: {worst}");
@@ -311,8 +308,7 @@ mod tests {
             }
         }
         let start = elastic.laid_at(targets.clone(), &[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-        let pencil = elastic.pencil().expect("memory");
-        let laid = elastic.deform(&pencil, &targets, &vec![1.0; rest.len()], 10.0, start);
+        let laid = elastic.deform(&targets, &vec![1.0; rest.len()], 10.0, start);
         let (smooth, rigid) = (strain(&elastic, &touching, &targets), strain(&elastic, &touching, &laid.positions));
         println!("strain of the targets {smooth:.3}, of the rod {rigid:.3}, of the truth {:.3}", {
             strain(&elastic, &touching, &truth)

@@ -1,4 +1,7 @@
-//! Algorithm 1, steps 1 and 2: a graph that grows from k₀ to k neighbours without shortcuts.
+//! Algorithm 1, steps 1 and 2: a graph that grows from k₀ to k neighbours and leaves out candidates that it knows for shortcuts.
+//!
+//! It knows them by its own distances, so where one of the first k₀ neighbours lies across a gap, those beside it pass: shortcuts grow fewer and do not
+//! end. What is left of them the default operator weakens (`operators/sheets.rs`).
 
 use super::components::Forest;
 use super::{BoundedDijkstra, EdgeGraph, Neighbours};
@@ -43,7 +46,7 @@ pub struct RefineReport {
     pub bridges: usize,
 }
 
-/// Grows 𝒢^(0) (k₀-NN) to 𝒢^(T) (k-NN less shortcuts). `neighbours` holds the k candidates of each point.
+/// Grows 𝒢^(0) (k₀-NN) to 𝒢^(T) (k-NN less candidates that fail the ratio). `neighbours` holds the k candidates of each point.
 ///
 /// Where the paper is silent: the graph is undirected (either end's candidate counts); coincident points keep their
 /// edge (the ratio 0/0 is 1); d_g = ∞ rejects, but the shortest rejected candidates are taken back where the k-NN

@@ -93,7 +93,7 @@ fn read_text(bytes: &[u8]) -> Result<Draft, ReadError> {
         let between = match keyword.as_slice() {
             b"vertex" => {
                 corners.push(points.len() as i64);
-                let last = lines.rest().trim_ascii().is_empty();
+                let last = lines.at_end();
                 points.push(vertex(STL, line, words).map_err(|e| match e {
                     ReadError::ShortLine { .. } if last => unfinished(&polygons, lines.number()),
                     e => e,
@@ -116,7 +116,7 @@ fn read_text(bytes: &[u8]) -> Result<Draft, ReadError> {
             b"outer" | b"endfacet" => true,
             _ => false,
         };
-        if !between && lines.rest().trim_ascii().is_empty() {
+        if !between && lines.at_end() {
             return Err(unfinished(&polygons, line.number));
         }
         if !between || !corners.is_empty() {

@@ -35,7 +35,7 @@ pub(super) fn read(bytes: &[u8], format: &'static str) -> Result<Draft, ReadErro
             }
             None => columns.insert(Columns::of(line, &before, format, &mut repairs)?),
         };
-        let last = lines.rest().trim_ascii().is_empty();
+        let last = lines.at_end();
         points.push(columns.point(line, format).map_err(|e| match e {
             ReadError::ShortLine { at, .. } if last && !points.is_empty() => {
                 let what = counted(points.len(), "point", "points");

@@ -33,6 +33,11 @@ impl<'a> Lines<'a> {
         self.rest
     }
 
+    /// Whether only blank lines are left. Not trimmed at the end: asked after every line, that would read what is left every time.
+    pub fn at_end(&self) -> bool {
+        self.rest.trim_ascii_start().is_empty()
+    }
+
     /// 1-based number of the line last returned.
     pub fn number(&self) -> usize {
         self.number

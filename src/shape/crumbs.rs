@@ -23,7 +23,7 @@ const FAR: f64 = 0.02;
 pub struct Crumbs {
     /// Points (of those that count) that belong to the body.
     pub body: Vec<u32>,
-    /// Points in crumbs, ascending.
+    /// Points in crumbs and their copies, ascending.
     pub crumbs: Vec<u32>,
     /// Those of them that are far from the body.
     pub far: Vec<u32>,
@@ -50,8 +50,20 @@ pub fn set_crumbs_aside(shape: &Shape, surface: &[u32]) -> Crumbs {
             body.push(i);
         }
     }
-    let far = if crumbs.is_empty() { Vec::new() } else { far_from(&at(shape, &body), &at(shape, &crumbs), &crumbs) };
+    if crumbs.is_empty() {
+        return Crumbs { body, crumbs, far: Vec::new(), pieces: 0 };
+    }
+    let far = far_from(&at(shape, &body), &at(shape, &crumbs), &crumbs);
+    let first = shape.first_at_place();
+    let [crumbs, far] = [crumbs, far].map(|points| with_copies(&points, &first));
     Crumbs { body, crumbs, far, pieces: pieces.len() }
+}
+
+/// All points that lie where one of `points` lies.
+fn with_copies(points: &[u32], first: &[u32]) -> Vec<u32> {
+    let mut named = vec![false; first.len()];
+    points.iter().for_each(|&i| named[first[i as usize] as usize] = true);
+    (0..first.len() as u32).filter(|&i| named[first[i as usize] as usize]).collect()
 }
 
 fn at(shape: &Shape, points: &[u32]) -> Vec<[f64; 3]> {

@@ -17,7 +17,9 @@ pub use crumbs::{Crumbs, set_crumbs_aside};
 pub use error::ShapeError;
 pub use repair::Repair;
 pub use sample::{farthest_points, nearest_samples};
-pub use simplify::{Simplified, cells, simplify};
+#[cfg(feature = "train")]
+pub use simplify::{Simplified, draw_together};
+pub use simplify::{THIN_LIMIT, cells, simplify};
 pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;
@@ -140,6 +142,15 @@ impl Shape {
     /// The given points as a shape of their own, with `faces` over them.
     pub(crate) fn at(&self, samples: &[u32], faces: Vec<[u32; 3]>) -> Self {
         Self::already_valid(samples.iter().map(|&i| self.points[i as usize]).collect(), faces, None)
+    }
+
+    /// The same points with the faces between some of them.
+    pub(crate) fn with_faces_among(&self, points: &[u32]) -> Self {
+        let mut among = vec![false; self.points.len()];
+        points.iter().for_each(|&i| among[i as usize] = true);
+        let mut shape = self.clone();
+        shape.faces.retain(|face| face.iter().all(|&i| among[i as usize]));
+        shape
     }
 
     /// For each point (n) the first one at exactly its place.

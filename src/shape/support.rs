@@ -1,6 +1,6 @@
 //! Which points of a scan carry its basis, which take part in matching, and how every uploaded point finds both.
 
-use super::{Shape, Simplified, cells, farthest_points, simplify};
+use super::{Shape, cells, farthest_points, simplify};
 use crate::progress::Cancelled;
 
 /// Meshes of more vertices get the basis of a simplified mesh.
@@ -50,27 +50,30 @@ impl Support {
 
 /// The support of `shape` and the shape its operator is built on, point by point the carriers. `surface` are the points that count, `count`
 /// how many are to be used; up to 1.5 times as many are used without sampling. On a mesh that keeps its mesh operator (`on_mesh`) the carriers are
-/// its vertices, or those of a simplified mesh; else they are the points used themselves.
+/// its vertices, or those of a simplified mesh; else they are the points used themselves. Third, how many points a simplified mesh was too coarse for.
 pub fn support(
     shape: &Shape,
     surface: Vec<u32>,
     count: usize,
     on_mesh: bool,
     heard: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
-) -> Result<(Support, Shape), Cancelled> {
+) -> Result<(Support, Shape, usize), Cancelled> {
+    // What was set aside joins nothing.
+    let shape = &shape.with_faces_among(&surface);
     let whole = surface.len() <= count + count / 2;
-    let mut support = Support::default();
+    let (mut support, mut lost) = (Support::default(), 0);
     if !whole && !on_mesh {
         let carriers = farthest_points(shape.points(), &surface, count, heard)?;
         let operator = shape.at(&carriers, Vec::new());
         support.carrier_of = Some(cells(shape, &carriers));
         support.carriers = Some(carriers);
-        return Ok((support, operator));
+        return Ok((support, operator, lost));
     }
     let operator = if surface.len() > MESH_LIMIT && on_mesh {
-        let Simplified { vertices, faces, cell } = simplify(shape, &surface, SIMPLIFIED.max(count), heard)?;
-        let operator = shape.at(&vertices, faces);
-        (support.carriers, support.carrier_of) = (Some(vertices), Some(cell));
+        let (simplified, too_thin) = simplify(shape, &surface, SIMPLIFIED.max(count), heard)?;
+        let operator = shape.at(&simplified.vertices, simplified.faces);
+        (support.carriers, support.carrier_of) = (Some(simplified.vertices), Some(simplified.cell));
+        lost = too_thin;
         operator
     } else if surface.len() < shape.points().len() {
         let mut row = vec![0; shape.points().len()];
@@ -89,5 +92,5 @@ pub fn support(
         support.used_of = Some(cells(&operator, &used));
         support.used = Some(used);
     }
-    Ok((support, operator))
+    Ok((support, operator, lost))
 }

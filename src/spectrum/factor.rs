@@ -1,5 +1,7 @@
 //! Sparse factorisation of L + shift·M, to solve with it and to count eigenvalues by it.
 
+use std::borrow::Cow;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -15,8 +17,8 @@ use super::sweeps::Sweeps;
 
 /// L, M and the elimination order they share for every shift.
 pub(crate) struct Pencil<'l> {
-    matrix: &'l CsMat<f64>,
-    mass: &'l [f64],
+    matrix: Cow<'l, CsMat<f64>>,
+    mass: Cow<'l, [f64]>,
     indptr: Vec<usize>,
     symbolic: SymbolicCholesky<usize>,
 }
@@ -31,7 +33,7 @@ pub(crate) struct Factor<'p> {
 
 impl<'l> Pencil<'l> {
     /// Orders the unknowns (approximate minimum degree). `None` when memory for it cannot be had.
-    pub(crate) fn new(matrix: &'l CsMat<f64>, mass: &'l [f64]) -> Option<Self> {
+    pub(crate) fn new(matrix: Cow<'l, CsMat<f64>>, mass: Cow<'l, [f64]>) -> Option<Self> {
         let n = mass.len();
         let indptr = matrix.indptr().raw_storage().to_vec();
         let structure = SymbolicSparseColMatRef::new_checked(n, n, &indptr, None, matrix.indices());

@@ -1,5 +1,7 @@
 //! The first eigenpairs of L φ = λ M φ, with proof that none is missing.
 
+use std::borrow::Cow;
+
 use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef};
 use ndarray::{Array1, Array2};
@@ -133,7 +135,7 @@ fn solve(
     }
     check_size(n, k)?;
 
-    let pencil = Pencil::new(matrix, mass).ok_or(SpectrumError::NotFactorised)?;
+    let pencil = Pencil::new(Cow::Borrowed(matrix), Cow::Borrowed(mass)).ok_or(SpectrumError::NotFactorised)?;
     let (mut factor, mu) = shifted(&pencil, &root_mass, mean, known.ncols(), k).ok_or(SpectrumError::NotFactorised)?;
     let rounding = (RESIDUAL * mu.abs()).max(ROUNDING * mean);
     let definite = || pencil.factor(rounding).is_some_and(|factor| factor.negative_pivots() == 0);

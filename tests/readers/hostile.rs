@@ -71,3 +71,17 @@ fn one_enormous_polygon_and_one_enormous_line_are_survived() {
     survives("v 1 2 3 \\\n".repeat(200_000).as_bytes(), "a.obj");
     survives(format!("v {} 0 0", "1".repeat(1_000_000)).as_bytes(), "a.obj");
 }
+
+#[test]
+fn megabytes_of_blank_lines_at_the_end_are_read_once() {
+    let blank = "\n".repeat(20_000_000);
+    let rows: String = (0..100_000).map(|i| format!("{} {} {}\n", i % 317, i / 317, i % 7)).collect();
+    let facet = |i: usize| {
+        let x = i as f64;
+        format!("facet normal 0 0 1\nouter loop\nvertex {x} 0 0\nvertex {x} 1 0\nvertex {x} 0 1\nendloop\nendfacet\n")
+    };
+    let facets: String = (0..30_000).map(facet).collect();
+    for (name, text) in [("a.xyz", rows), ("a.stl", format!("solid\n{facets}endsolid\n"))] {
+        assert!(survives((text + &blank).as_bytes(), name), "{name}");
+    }
+}

@@ -12,7 +12,7 @@ use super::data::DataError;
 use super::parts::mirrored_part;
 use super::{BodyModel, Template};
 use crate::progress::Cancelled;
-use crate::shape::{Shape, Simplified, farthest_points, simplify};
+use crate::shape::{Shape, Simplified, draw_together, farthest_points};
 
 /// What a scan may have. Shares are probabilities in [0, 1]; 0 switches a thing off.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,7 +155,7 @@ pub(super) fn even_mesh(skin: &[DVec3], triangles: &[[u32; 3]], count: usize, rn
 
 fn connected(places: Vec<[f64; 3]>, triangles: &[[u32; 3]], allowed: &[u32], count: usize) -> Simplified {
     let shape = Shape::already_valid(places, triangles.to_vec(), None);
-    let Ok(simple) = simplify(&shape, allowed, count, &mut unheard) else { unreachable!("nobody cancels") };
+    let Ok(simple) = draw_together(&shape, allowed, count, &mut unheard) else { unreachable!("nobody cancels") };
     simple
 }
 
