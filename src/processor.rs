@@ -96,18 +96,18 @@ impl DeviceError {
 pub struct Processor {
     model: &'static Model,
     info: DeviceInfo,
-    #[cfg(feature = "gpu")]
     gpu: GpuState,
 }
 
-#[cfg(feature = "gpu")]
 #[derive(Debug)]
 enum GpuState {
     /// Not wanted, or none was there from the start.
     Unused,
     /// In use, with what was asked for.
+    #[cfg(feature = "gpu")]
     Open(Box<Model<Gpu>>, GpuOptions),
     /// Asked for, and gone for the reason given; before every call there may be another.
+    #[cfg(feature = "gpu")]
     Gone(String, GpuOptions),
 }
 
@@ -118,17 +118,69 @@ const KEPT: u64 = 64 << 20;
 impl Processor {
     /// The CPU.
     pub fn cpu(model: &'static Model) -> Self {
-        Self {
-            model,
-            info: on_cpu("asked for"),
-            #[cfg(feature = "gpu")]
-            gpu: GpuState::Unused,
-        }
+        Self { model, info: on_cpu("asked for"), gpu: GpuState::Unused }
     }
 
     /// Which device runs, and why.
     pub fn info(&self) -> &DeviceInfo {
         &self.info
+    }
+
+    /// [`prepare_with`] on the device.
+    pub async fn prepare(
+        &mut self,
+        shape: Shape,
+        name: Option<String>,
+        options: &PrepareOptions,
+        progress: &mut Progress<'_>,
+    ) -> Result<PreparedShape, Error> {
+        #[cfg(feature = "gpu")]
+        self.renew().await;
+        match &self.gpu {
+            #[cfg(feature = "gpu")]
+            GpuState::Open(on_gpu, _) => {
+                let prepared = prepare_with(&**on_gpu, shape, name, options, progress).await;
+                on_gpu.device().trim(KEPT);
+                prepared
+            }
+            GpuState::Unused => prepare_with(self.model, shape, name, options, progress).await,
+            #[cfg(feature = "gpu")]
+            GpuState::Gone(reason, _) => {
+                let mut prepared = prepare_with(self.model, shape, name, options, progress).await?;
+                prepared.info.fallback = Some(Fallback { stage: Stage::Features, reason: reason.clone() });
+                Ok(prepared)
+            }
+        }
+    }
+
+    /// [`match_with`] on the device.
+    pub async fn match_shapes(
+        &mut self,
+        a: &PreparedShape,
+        b: &PreparedShape,
+        options: &MatchOptions,
+        progress: &mut Progress<'_>,
+    ) -> Result<Match, Error> {
+        #[cfg(feature = "gpu")]
+        self.renew().await;
+        match &self.gpu {
+            #[cfg(feature = "gpu")]
+            GpuState::Open(on_gpu, _) => {
+                let before = on_gpu.device().counters();
+                let matched = match_with(&**on_gpu, a, b, options, progress).await;
+                on_gpu.device().trim(KEPT);
+                let done = on_gpu.device().counters() - before;
+                let gpu = GpuUse { dispatches: done.dispatches, uploads: done.uploads, downloads: done.downloads };
+                Ok(Match { device: DeviceKind::Webgpu, gpu, ..matched? })
+            }
+            GpuState::Unused => match_with(self.model, a, b, options, progress).await,
+            #[cfg(feature = "gpu")]
+            GpuState::Gone(reason, _) => {
+                let fallback = Fallback { stage: Stage::FunctionalMap, reason: reason.clone() };
+                let matched = match_with(self.model, a, b, options, progress).await?;
+                Ok(Match { fallback: Some(fallback), ..matched })
+            }
+        }
     }
 
     /// What loses the GPU in use as a driver might, for tests.
@@ -141,10 +193,7 @@ impl Processor {
 
     /// Whether calls may wait for a GPU.
     pub fn waits(&self) -> bool {
-        #[cfg(feature = "gpu")]
-        return !matches!(self.gpu, GpuState::Unused);
-        #[cfg(not(feature = "gpu"))]
-        false
+        !matches!(self.gpu, GpuState::Unused)
     }
 }
 
@@ -167,28 +216,6 @@ impl Processor {
     /// The device of [`Processor::open`] once more.
     pub async fn reopen(model: &'static Model, _: DeviceChoice) -> Self {
         Self::cpu(model)
-    }
-
-    /// [`prepare_with`] on the device.
-    pub async fn prepare(
-        &mut self,
-        shape: Shape,
-        name: Option<String>,
-        options: &PrepareOptions,
-        progress: &mut Progress<'_>,
-    ) -> Result<PreparedShape, Error> {
-        prepare_with(self.model, shape, name, options, progress).await
-    }
-
-    /// [`match_with`] on the device.
-    pub async fn match_shapes(
-        &mut self,
-        a: &PreparedShape,
-        b: &PreparedShape,
-        options: &MatchOptions,
-        progress: &mut Progress<'_>,
-    ) -> Result<Match, Error> {
-        match_with(self.model, a, b, options, progress).await
     }
 }
 
@@ -226,57 +253,6 @@ impl Processor {
 
     fn with(model: &'static Model, on_gpu: Model<Gpu>, options: GpuOptions) -> Self {
         Self { gpu: GpuState::Open(Box::new(on_gpu), options), ..Self::cpu(model) }
-    }
-
-    /// [`prepare_with`] on the device.
-    pub async fn prepare(
-        &mut self,
-        shape: Shape,
-        name: Option<String>,
-        options: &PrepareOptions,
-        progress: &mut Progress<'_>,
-    ) -> Result<PreparedShape, Error> {
-        self.renew().await;
-        match &self.gpu {
-            GpuState::Open(on_gpu, _) => {
-                let prepared = prepare_with(&**on_gpu, shape, name, options, progress).await;
-                on_gpu.device().trim(KEPT);
-                prepared
-            }
-            GpuState::Unused => prepare_with(self.model, shape, name, options, progress).await,
-            GpuState::Gone(reason, _) => {
-                let mut prepared = prepare_with(self.model, shape, name, options, progress).await?;
-                prepared.info.fallback = Some(Fallback { stage: Stage::Features, reason: reason.clone() });
-                Ok(prepared)
-            }
-        }
-    }
-
-    /// [`match_with`] on the device.
-    pub async fn match_shapes(
-        &mut self,
-        a: &PreparedShape,
-        b: &PreparedShape,
-        options: &MatchOptions,
-        progress: &mut Progress<'_>,
-    ) -> Result<Match, Error> {
-        self.renew().await;
-        match &self.gpu {
-            GpuState::Open(on_gpu, _) => {
-                let before = on_gpu.device().counters();
-                let matched = match_with(&**on_gpu, a, b, options, progress).await;
-                on_gpu.device().trim(KEPT);
-                let done = on_gpu.device().counters() - before;
-                let gpu = GpuUse { dispatches: done.dispatches, uploads: done.uploads, downloads: done.downloads };
-                Ok(Match { device: DeviceKind::Webgpu, gpu, ..matched? })
-            }
-            GpuState::Unused => match_with(self.model, a, b, options, progress).await,
-            GpuState::Gone(reason, _) => {
-                let fallback = Fallback { stage: Stage::FunctionalMap, reason: reason.clone() };
-                let matched = match_with(self.model, a, b, options, progress).await?;
-                Ok(Match { fallback: Some(fallback), ..matched })
-            }
-        }
     }
 
     /// The GPU in use.
