@@ -55,11 +55,12 @@ fn staged<T>(gpu: &Gpu, work: impl FnOnce(&mut Progress) -> T) -> (T, Vec<(Stage
     (result, stages.done)
 }
 
-fn row(what: &str, done: GpuCounters) {
+/// One line of the table; the seconds that it takes at the least.
+fn row(what: &str, done: GpuCounters) -> f64 {
     let [flops, touched, moved] =
         [done.flops as f64, done.bytes_touched as f64, (done.bytes_up + done.bytes_down) as f64];
     let bounds = [("arithmetic", flops / FLOPS), ("memory", touched / MEMORY), ("bus", moved / BUS)];
-    let (bound, _) = bounds.into_iter().fold(("–", 0.0), |most, next| if next.1 > most.1 { next } else { most });
+    let (bound, least) = bounds.into_iter().fold(("–", 0.0), |most, next| if next.1 > most.1 { next } else { most });
     let [arithmetic, memory, bus] = bounds.map(|(_, seconds)| 1e3 * seconds);
     println!(
         "| {what} | {} | {} ({:.1} MB) | {} ({:.1} MB) | {:.2} | {:.2} | {arithmetic:.2} | {memory:.2} | {bus:.2} | {bound} |",
@@ -71,6 +72,7 @@ fn row(what: &str, done: GpuCounters) {
         flops / 1e9,
         touched / 1e9,
     );
+    least
 }
 
 fn main() {
@@ -92,7 +94,7 @@ names, whole, once per dispatch: about what moves where caches are perfect. The 
             "## Two {kind}\n\n| stage | dispatches | uploads | downloads | GFLOP | GB | arithmetic, ms | memory, ms | bus, ms | bound by |\n|---|---|---|---|---|---|---|---|---|---|"
         );
         let options = PrepareOptions { faces, ..PrepareOptions::default() };
-        let mut total = model.device().counters();
+        let (mut total, mut least) = (model.device().counters(), 0.0);
         let mut shapes: Vec<PreparedShape> = Vec::new();
         for (name, bytes) in ["A", "B"].into_iter().zip(SAMPLES) {
             let scan = read(bytes, None, None).expect("a scan");
@@ -100,7 +102,7 @@ names, whole, once per dispatch: about what moves where caches are perfect. The 
                 block_on(prepare_with(&model, scan, None, &options, progress)).expect("prepared")
             });
             for (stage, done) in stages.into_iter().filter(|(_, done)| done.dispatches > 0) {
-                row(&format!("{} of {name}", stage.name()), done);
+                least += row(&format!("{} of {name}", stage.name()), done);
             }
             shapes.push(shape);
         }
@@ -108,10 +110,15 @@ names, whole, once per dispatch: about what moves where caches are perfect. The 
             block_on(match_with(&model, &shapes[0], &shapes[1], &MatchOptions::default(), progress)).expect("matched")
         });
         for (stage, done) in stages {
-            row(stage.name(), done);
+            least += row(stage.name(), done);
         }
         total = model.device().counters() - total;
         row("together", total);
-        println!();
+        println!(
+            "\nStage by stage at least {:.0} ms of work, and {} downloads to wait for: where each is a round trip of a millisecond, waiting for them bounds the whole more than \
+             any shader does.\n",
+            1e3 * least,
+            total.downloads
+        );
     }
 }
