@@ -131,6 +131,14 @@ impl OptionError {
         }
     }
 
+    pub(crate) fn landmark_twice(index: u32, scan: &str) -> Self {
+        Self {
+            code: "invalid-option",
+            message: format!("two landmarks name point {index} of scan {scan}, which has one partner"),
+            details: json!({ "index": index, "scan": scan }),
+        }
+    }
+
     /// Stable machine-readable name.
     pub fn code(&self) -> &'static str {
         self.code

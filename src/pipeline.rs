@@ -437,6 +437,12 @@ fn landmarks(
     }
     let rows = |shape: &PreparedShape, scan: &str, side: usize| -> Result<Vec<u32>, OptionError> {
         let points = shape.shape.points().len();
+        let mut named = BTreeMap::new();
+        for pair in pairs {
+            if *named.entry(pair[side]).or_insert(pair) != pair {
+                return Err(OptionError::landmark_twice(pair[side], scan));
+            }
+        }
         let row = |pair: &[u32; 2]| match pair[side] {
             index if (index as usize) < points => Ok(shape.support.row_of(index as usize) as u32),
             index => Err(OptionError::landmark(index, scan, points)),

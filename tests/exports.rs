@@ -215,3 +215,27 @@ fn another_extension_is_wrong_use_and_says_which_there_are() {
     assert_eq!(nowhere.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&nowhere.stderr).contains("no/such/folder"));
 }
+
+#[test]
+fn landmarks_are_kept_to_the_point_and_refused_when_they_are_none() {
+    let folder = folder("exports-landmarks", true);
+    let run = |landmarks: &str| {
+        Command::new(env!("CARGO_BIN_EXE_geose-fmap"))
+            .current_dir(&folder)
+            .args(["match", "a.off", "b.off", "-o", "map.json", "--eigenpairs", "20", "--landmarks", landmarks])
+            .output()
+            .expect("the program starts")
+    };
+    assert!(run("17:20,400:391").status.success());
+    let json: Value = serde_json::from_slice(&std::fs::read(folder.join("map.json")).expect("a file")).expect("JSON");
+    assert_eq!(json["match"]["landmarks"], serde_json::json!([[17, 20], [400, 391]]));
+    for (i, j) in [(17, 20), (400, 391)] {
+        assert_eq!((&json["map"][i]["target"], &json["map"][i]["confidence"]), (&j.into(), &1.0.into()));
+    }
+    for (landmarks, code, said) in [("17", 2, "two indices"), ("17:9999", 1, "9999"), ("17:20,17:21", 1, "point 17")] {
+        let ended = run(landmarks);
+        let words = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert_eq!(ended.status.code(), Some(code), "{landmarks}: {words}");
+        assert!(words.contains(said), "{landmarks}: {words}");
+    }
+}

@@ -460,8 +460,9 @@ fn match_options_that_cannot_be_are_refused() {
         matched_with(a, b, &options).map(|_| ()).expect_err("refused")
     };
     let n = small.shape.points().len() as u32;
-    for pair in [[n, 0], [0, 162], [u32::MAX, 0]] {
-        let error = refused(small, &bare, MatchOptions { landmarks: vec![[0, 0], pair], ..Default::default() });
+    // Not a point of A, nor of B, and points that would have two partners.
+    for pair in [[n, 0], [0, 162], [u32::MAX, 0], [1, 2], [2, 1]] {
+        let error = refused(small, &bare, MatchOptions { landmarks: vec![[1, 1], pair], ..Default::default() });
         assert_eq!(error.code(), "invalid-option", "{pair:?}");
     }
     let given = refused(small, &bare, MatchOptions { parts: Parts::Given, ..Default::default() });

@@ -29,6 +29,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut lines = Vec::new();
     for (name, value) in info.as_object().into_iter().flatten() {
         match value {
+            Value::Null if name == "fallback" => {}
             Value::Null => lines.push(format!("{name:<12} not clear")),
             Value::String(text) => lines.push(format!("{name:<12} {text}")),
             Value::Object(parts) => {

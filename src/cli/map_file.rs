@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{Failure, write};
 use crate::colour::{LinearRgb, correspondence_colours};
 use crate::write::{glb, ply};
-use crate::{Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED};
+use crate::{DeviceKind, Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED};
 
 /// Says before the work that the folder of `file` is none.
 pub(super) fn check_folder(file: &Path) -> Result<(), Failure> {
@@ -126,7 +126,7 @@ impl<'a> Scan<'a> {
 struct How<'a> {
     #[serde(flatten)]
     options: &'a MatchOptions,
-    device: &'a str,
+    device: DeviceKind,
     weights: &'a serde_json::Value,
     warnings: &'a [String],
 }
@@ -148,7 +148,7 @@ fn json(Outcome { a, b, preparing, options, matched }: &Outcome) -> Result<Vec<u
     let document = Document {
         a: Scan::of(a, preparing),
         b: Scan::of(b, preparing),
-        how: How { options, device: "cpu", weights: &matched.weights, warnings: &matched.warnings },
+        how: How { options, device: matched.device, weights: &matched.weights, warnings: &matched.warnings },
         map: pairs.enumerate().map(line).collect(),
     };
     Ok(serde_json::to_vec(&document)?)

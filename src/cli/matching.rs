@@ -22,8 +22,17 @@ pub(super) struct Arguments {
     /// predicted, given or none.
     #[arg(long, default_value = "predicted", value_parser = parse::<Parts>)]
     parts: Parts,
+    /// Points known to belong together, by index as uploaded: 17:20,400:391.
+    #[arg(long, value_delimiter = ',', value_parser = pair)]
+    landmarks: Vec<[u32; 2]>,
     #[command(flatten)]
     running: Running,
+}
+
+/// `i:j`, a point of A and its point of B.
+fn pair(text: &str) -> Result<[u32; 2], String> {
+    let numbers = text.split_once(':').and_then(|(i, j)| Some([i.trim().parse().ok()?, j.trim().parse().ok()?]));
+    numbers.ok_or_else(|| "a landmark is two indices, i:j".to_owned())
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -31,7 +40,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut on = arguments.running.processor()?;
     let a = prepare_scan(&arguments.a, &arguments.preparing, &mut on)?;
     let b = prepare_scan(&arguments.b, &arguments.preparing, &mut on)?;
-    let options = MatchOptions { parts: arguments.parts, refine: arguments.refine, ..Default::default() };
+    let Arguments { parts, refine, ref landmarks, .. } = *arguments;
+    let options = MatchOptions { parts, refine, landmarks: landmarks.clone(), ..Default::default() };
     let matched = pollster::block_on(on.match_shapes(&a, &b, &options, &mut Progress::silent()))?;
     let preparing = &arguments.preparing.options();
     arguments.output.write(&Outcome { a: &a, b: &b, preparing, options: &options, matched: &matched })?;

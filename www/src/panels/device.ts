@@ -17,7 +17,7 @@ export function showDevice(store: AppStore, session: Session): void {
     masthead.textContent = device ? shortly(device) : '';
     const words = device
       ? `${shortly(device)}${device.adapter ? ` (${device.adapter})` : ''}. ${asSentence(device.reason)}`
-      : 'Opening it…';
+      : 'Opening it; a graphics card is tested against the CPU first.';
     if (note.textContent !== words) note.textContent = words;
   });
 }

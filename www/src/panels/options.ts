@@ -39,6 +39,10 @@ export function showOptions(store: AppStore): void {
   store.watch(['scans'], (state) => {
     const bare = sidesWithoutLabels(state);
     given.disabled = bare.length > 0;
+    if (given.disabled && given.selected) {
+      given.selected = false;
+      store.set({ matchChoices: { ...state.matchChoices, parts: 'predicted' } });
+    }
     givenNote.textContent = bare.length > 0 ? `${bare.map(letter).join(' and ')} came without labels, so no parts are given.` : '';
     givenNote.hidden = bare.length === 0;
   });
