@@ -29,20 +29,25 @@ const VARIANTS = {
   'the paper as printed': { paper: true, laplacian: 'geodesic-literal' },
 };
 
-/** Trains a variant; resolves to its weights. */
-function train(name, { run: changes = {}, network = {}, laplacian, paper }, minutes, folder) {
+/** Trains a variant; returns its weights. */
+function train(name, { run: changes = {}, network = {}, laplacian, paper }, { minutes, bodies, folder }) {
   const out = path.join(folder, name.replaceAll(/\W+/g, '-'));
   const weights = path.join(out, 'weights.safetensors');
   const done = path.join(out, 'done');
   if (existsSync(done)) return weights;
-  say(`${name}: ${minutes} minutes`);
   const samples = path.join(root, 'runs', paper ? 'samples-paper' : `samples${laplacian ? `-${laplacian}` : ''}`);
-  runTrainer('train', [
-    ...['--data', bodyData(), '--out', out, '--samples', samples, '--bodies', '1500'],
-    ...['--run', JSON.stringify({ ...changes, minutes, name }), '--network', JSON.stringify(network)],
-    ...(laplacian ? ['--laplacian', laplacian] : []),
-    ...(paper ? ['--paper'] : []),
-  ]);
+  const trainer = (...more) =>
+    runTrainer('train', [
+      ...['--data', bodyData(), '--out', out, '--samples', samples, '--bodies', bodies],
+      ...['--run', JSON.stringify({ ...changes, minutes, name }), '--network', JSON.stringify(network)],
+      ...(laplacian ? ['--laplacian', laplacian] : []),
+      ...(paper ? ['--paper'] : []),
+      ...more,
+    ]);
+  say(`${name}: ${bodies} bodies`);
+  trainer('--only-samples');
+  say(`${name}: ${minutes} minutes`);
+  trainer();
   writeFileSync(done, '');
   return weights;
 }
@@ -62,26 +67,43 @@ function measure(weights, dataset, mode, laplacian, limit) {
 await main(import.meta, (args) => {
   let options;
   try {
-    options = parseArgs({ args, options: { minutes: { type: 'string' }, limit: { type: 'string' }, only: { type: 'string' } } }).values;
+    options = parseArgs({
+      args,
+      options: {
+        minutes: { type: 'string' },
+        bodies: { type: 'string' },
+        limit: { type: 'string' },
+        only: { type: 'string', multiple: true },
+      },
+    }).values;
   } catch (error) {
-    throw new Failure(`${error.message}\nOptions: --minutes N for each variant, --limit N pairs of each set, --only NAME of a variant.`);
+    throw new Failure(
+      `${error.message}\nOptions: --minutes N for each variant, --bodies N to train on, --limit N pairs of each set, --only NAME of a variant (more than once).`,
+    );
   }
   const minutes = Number(options.minutes ?? 10);
   if (!(minutes > 0)) throw new Failure(`--minutes must be a number above 0, and is ${options.minutes}.`);
-  const limit = options.limit ?? '20';
+  const [limit, bodies] = [options.limit ?? '20', options.bodies ?? '1500'];
   const folder = path.join(root, `runs/ablations-${minutes}`);
   const held = path.join(root, 'runs/held-out');
   if (!existsSync(path.join(held, 'pairs.txt')))
     runTrainer('bodies', ['set', '--data', bodyData(), '--out', held, '--seed', '900001', '--count', '24']);
   const sets = [held, path.join(evaluationSets(), 'faust_r')];
   buildNative();
-  const chosen = Object.entries(VARIANTS).filter(([name]) => !options.only || name === options.only);
-  if (!chosen.length) throw new Failure(`--only must be one of: ${Object.keys(VARIANTS).join(', ')}.`);
-  const rows = chosen.map(([name, variant]) => {
-    const weights = train(name, variant, minutes, folder);
+  const unknown = options.only?.filter((name) => !(name in VARIANTS)) ?? [];
+  if (unknown.length > 0) throw new Failure(`--only must be one of: ${Object.keys(VARIANTS).join(', ')}.`);
+  const rows = [];
+  for (const name of options.only ?? Object.keys(VARIANTS)) {
+    const variant = VARIANTS[name];
+    const weights = train(name, variant, { minutes, bodies, folder });
     const found = sets.flatMap((set) => ['mesh', 'cloud'].map((mode) => measure(weights, set, mode, variant.laplacian, limit)));
-    return [name, ...found.flatMap((f) => [number(f.age_raw, 2), number(f.age, 2)]), share(found[3].part_agreement)];
-  });
+    rows.push([name, ...found.flatMap((f) => [number(f.age_raw, 2), number(f.age, 2)]), share(found[3].part_agreement)]);
+    // After every variant, so that what was measured is there whenever the run ends.
+    writeTable(sets, rows, { minutes, bodies, limit });
+  }
+});
+
+function writeTable(sets, rows, { minutes, bodies, limit }) {
   const head = [
     '',
     ...sets.flatMap((set) => ['mesh', 'cloud'].flatMap((mode) => [`${path.basename(set)}, ${mode}`, 'refined'])),
@@ -89,7 +111,7 @@ await main(import.meta, (args) => {
   ];
   const text = `# What each piece is worth
 
-\`npm run ablate -- --minutes ${minutes} --limit ${limit}\` at commit ${output('git', ['rev-parse', '--short', 'HEAD']) ?? 'unknown'}: every variant trained from nothing for
+\`npm run ablate -- --minutes ${minutes} --bodies ${bodies} --limit ${limit}\` at commit ${output('git', ['rev-parse', '--short', 'HEAD']) ?? 'unknown'}: every variant trained from nothing for
 ${minutes} minutes. Mean geodesic errors ×100/√area of ${limit} pairs each, before and after refinement; "parts kept" is the share of points of faust_r clouds matched to
 their own part.
 
@@ -98,4 +120,4 @@ ${markdown(head, rows)}
   mkdirSync(path.dirname(TABLE), { recursive: true });
   writeFileSync(TABLE, text);
   say(TABLE);
-});
+}

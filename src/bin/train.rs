@@ -39,6 +39,9 @@ struct Arguments {
     /// Threads that make samples beside the one that trains.
     #[arg(long, default_value_t = 1)]
     makers: usize,
+    /// Make the samples and train nothing: what is to be compared at equal times should not wait for them.
+    #[arg(long)]
+    only_samples: bool,
     /// The paper's network, losses and schedule as printed.
     #[arg(long)]
     paper: bool,
@@ -123,6 +126,9 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     thread::scope(|scope| {
         for _ in 0..arguments.makers {
             scope.spawn(|| pool.fill(&maker, &next, &stop));
+        }
+        if arguments.only_samples {
+            return Ok(true);
         }
         let seconds = 60.0 * arguments.minutes;
         let done = match arguments.folds {
