@@ -529,7 +529,7 @@ fn wrong_use_ends_with_2_and_what_cannot_be_done_with_1() {
         assert_eq!(code(wrong), Some(2), "{wrong:?}");
     }
     assert_eq!(run(&["evaluate", "--mode", "mesh"]).code, Some(2), "no data set");
-    assert!(set.refusal(&["--mode", "mesh", "--device", "webgpu"]).contains("not in this build"));
+    assert!(set.refusal(&["--mode", "mesh", "--device", "webgpu"]).contains("on the CPU only"));
     assert!(set.refusal(&["--mode", "mesh", "--weights", "w.safetensors"]).contains("w.safetensors: "));
     assert!(
         set.refusal(&["--mode", "cloud", "--laplacian", "cotangent"])
