@@ -15,7 +15,8 @@ export async function check() {
     clippy: () => clippy(['--all-targets']),
     'clippy with trainer and GPU': () => clippy(['--all-targets', '--features', 'train,gpu']),
     'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),
-    'clippy for wasm32 with GPU': () => clippy(['--lib', '--features', 'gpu', '--target', 'wasm32-unknown-unknown'], wasm),
+    'clippy for wasm32 with GPU': () =>
+      clippy(['--lib', '--test', 'wasm', '--test', 'gpu_in_browser', '--features', 'gpu', '--target', 'wasm32-unknown-unknown'], wasm),
     'types of the package': compilePackage,
     'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),
     prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),
