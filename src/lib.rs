@@ -43,6 +43,7 @@ mod error;
 mod evaluate;
 mod features;
 mod fmap;
+mod geometry;
 mod graph;
 mod model;
 mod operators;

@@ -1,19 +1,21 @@
 //! The method, in order. The only file that knows it.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use ndarray::{Array2, Axis as Along, concatenate};
 
 use crate::device::{Cpu, Device, Fallback, Interrupted, still_well};
 use crate::error::Error;
-use crate::features::{ShapeInputs, wave_kernel_signature};
+use crate::features::ShapeInputs;
 use crate::fmap::{
     COARSE, Correspondence, Cues, Familiarity, FunctionalMap, Matchable, Refined, Refinement, initial_maps,
     landmark_functions, learned_maps, lift, part_functions, refine, strain, stretch,
 };
+use crate::geometry::{Geometry, edges_between_limbs};
 use crate::graph::components;
 use crate::model::{Model, PointEmbedding};
-use crate::operators::{self, Laplacian, LaplacianKind, Surface};
+use crate::operators::{self, Laplacian, LaplacianKind};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 use crate::prepared::{Info, PreparedShape, ShapeKind};
 use crate::processor::{DeviceKind, GpuUse};
@@ -22,7 +24,7 @@ use crate::shape::{
     Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, THIN_LIMIT, counted, farthest_points, set_crumbs_aside,
     support,
 };
-use crate::spectrum::{check_size, spectrum};
+use crate::spectrum::check_size;
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
@@ -72,27 +74,55 @@ pub async fn prepare_with<D: Device>(
     options: &PrepareOptions,
     progress: &mut Progress<'_>,
 ) -> Result<PreparedShape, Error> {
-    let (mut prepared, operator_shape) = prepare_with_shape(shape, name, options, progress)?;
-    progress.at(Stage::Features, 0.2)?;
+    let (mut prepared, operator_shape, laplacian) = prepare_with_shape(shape, name, options, progress)?;
+    let parts = ask(model, &mut prepared, &operator_shape, 0.2..0.4, progress).await?;
+    let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
+    if let Some(edges) = by_default.then(|| edges_between_limbs(&laplacian, &parts)).flatten() {
+        // A graph and a spectrum again, but for who listens no stage comes twice.
+        let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
+        let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
+        let apart = Geometry::of(&operator_shape, kind, Some(&parts), sampled, options.eigenpairs, &mut within)?;
+        drop(within);
+        let message = format!(
+            "{} of neighbours join parts of the body that do not meet, as where a hand rests on a hip: they were told apart",
+            counted(edges, "pair", "pairs")
+        );
+        prepared.repairs.push(Repair::noted("limbs-told-apart", edges, message));
+        prepared.info.residual = apart.report.residual;
+        (prepared.basis, prepared.features, prepared.surface) = (apart.basis, apart.features, apart.surface);
+        ask(model, &mut prepared, &operator_shape, 0.8..0.9, progress).await?;
+    }
+    progress.at(Stage::Features, 1.0)?;
+    prepared.info.seconds = progress.take_seconds();
+    Ok(prepared)
+}
+
+/// What the network makes of a shape, within a range of the stage; returns the probabilities of parts.
+async fn ask<D: Device>(
+    model: &Model<D>,
+    prepared: &mut PreparedShape,
+    operator_shape: &Shape,
+    share: Range<f64>,
+    progress: &mut Progress<'_>,
+) -> Result<Array2<f32>, Error> {
+    progress.at(Stage::Features, share.start)?;
     let config = &model.weights().config;
     let inputs = {
         // Gradients take a graph again, but for who listens no stage comes twice.
-        let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.2).is_ok());
-        ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, &mut within)
+        let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
+        ShapeInputs::of(prepared, operator_shape, config.eigenpairs, config.position, &mut within)
             .map_err(|_| Cancelled { stage: Stage::Features })?
     };
-    progress.at(Stage::Features, 0.4)?;
-    prepared.embedding = Some(match embed(model, &inputs).await {
+    progress.at(Stage::Features, share.end)?;
+    let embedding = match embed(model, &inputs).await {
         Ok(embedding) => embedding,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
         Err(Interrupted::Failed(fallback)) => {
             prepared.info.fallback = Some(fallback);
             model.on_cpu().embed(&inputs).await
         }
-    });
-    progress.at(Stage::Features, 1.0)?;
-    prepared.info.seconds = progress.take_seconds();
-    Ok(prepared)
+    };
+    Ok(prepared.embedding.insert(embedding).parts.clone())
 }
 
 async fn embed<D: Device>(model: &Model<D>, inputs: &ShapeInputs) -> Result<PointEmbedding, Interrupted> {
@@ -101,13 +131,13 @@ async fn embed<D: Device>(model: &Model<D>, inputs: &ShapeInputs) -> Result<Poin
     Ok(embedding)
 }
 
-/// All of [`prepare`] but the network, and the shape that operators were built on: its points are the carriers.
+/// All of [`prepare`] but the network, the shape that operators were built on (its points are the carriers), and its Laplacian.
 pub(crate) fn prepare_with_shape(
     shape: Shape,
     name: Option<String>,
     options: &PrepareOptions,
     progress: &mut Progress,
-) -> Result<(PreparedShape, Shape), Error> {
+) -> Result<(PreparedShape, Shape, Laplacian), Error> {
     options.check()?;
     let as_read = shape;
     let mut repairs = as_read.repairs().to_vec();
@@ -168,24 +198,8 @@ pub(crate) fn prepare_with_shape(
         (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
     let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
 
-    let laplacian = operators::laplacian(&operator_shape, kind, progress)?;
-    let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, options.eigenpairs, progress)?;
-
-    progress.at(Stage::Features, 0.0)?;
-    let features = wave_kernel_signature(&basis).values;
-    let features = match &support.used {
-        Some(used) => features.select(Along(0), &used.iter().map(|&row| row as usize).collect::<Vec<usize>>()),
-        None => features,
-    };
-    let carriers: Vec<u32> = match &support.used {
-        Some(used) => coarse.iter().map(|&row| used[row as usize]).collect(),
-        None => coarse.clone(),
-    };
-    let surface = Surface::around(&operator_shape, &carriers, &basis);
-    let surface = match &support.used {
-        Some(used) => surface.at(used),
-        None => surface,
-    };
+    let geometry = Geometry::of(&operator_shape, kind, None, (&support, &coarse), options.eigenpairs, progress)?;
+    let Geometry { laplacian, basis, report, features, surface } = geometry;
     if !report.complete {
         let message = "the eigenvalues are right, but it was not proved that none between them is missing".to_owned();
         repairs.push(Repair::noted("spectrum-not-proved", basis.k(), message));
@@ -207,10 +221,9 @@ pub(crate) fn prepare_with_shape(
         seconds: BTreeMap::new(),
         fallback: None,
     };
-    Ok((
-        PreparedShape { shape: as_read, info, repairs, basis, support, coarse, surface, features, embedding: None },
-        operator_shape,
-    ))
+    let prepared =
+        PreparedShape { shape: as_read, info, repairs, basis, support, coarse, surface, features, embedding: None };
+    Ok((prepared, operator_shape, laplacian))
 }
 
 /// Features of both → functional maps both ways → refinement → correspondence of every uploaded point, on the CPU with the weights that ship.

@@ -11,6 +11,8 @@ mod normals;
 mod sheets;
 mod surface;
 
+use ndarray::Array2;
+
 use crate::graph::{RefineParams, nearest_neighbours, refine};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::Shape;
@@ -22,6 +24,7 @@ pub use gradient::{Gradient, gradient};
 pub use laplacian::{Laplacian, LaplacianKind};
 pub use mass::cloud_mass;
 pub use normals::normals;
+use sheets::Sheets;
 pub use surface::Surface;
 
 /// Why no Laplacian could be built.
@@ -66,6 +69,17 @@ pub fn surface_area(shape: &Shape, laplacian: &Laplacian) -> f64 {
 /// The Laplacian of a shape, all points counting, in the unit of its points. The faces of a mesh meet wherever their corners lie at exactly
 /// one place; of the points there, the first has the mass and the entries.
 pub fn laplacian(shape: &Shape, kind: LaplacianKind, progress: &mut Progress) -> Result<Laplacian, OperatorError> {
+    laplacian_apart(shape, kind, None, progress)
+}
+
+/// [`laplacian`]; the geodesic one of a cloud with the probabilities of body parts (n, 14), so that limbs in contact are told apart by what they are and
+/// not only by how they lie.
+pub(crate) fn laplacian_apart(
+    shape: &Shape,
+    kind: LaplacianKind,
+    parts: Option<&Array2<f32>>,
+    progress: &mut Progress,
+) -> Result<Laplacian, OperatorError> {
     if kind == LaplacianKind::Cotangent {
         progress.at(Stage::Laplacian, 0.0)?;
         if shape.faces().is_empty() {
@@ -84,6 +98,10 @@ pub fn laplacian(shape: &Shape, kind: LaplacianKind, progress: &mut Progress) ->
     progress.at(Stage::Laplacian, 0.0)?;
     Ok(match kind {
         LaplacianKind::GeodesicLiteral => literal_laplacian(&graph, neighbours.mean_distance()),
-        _ => gaussian_laplacian(shape.points(), &graph, &neighbours, kind, kind == LaplacianKind::Geodesic),
+        LaplacianKind::Geodesic => {
+            let sheets = Sheets::fit(shape.points(), &neighbours).with_parts(parts);
+            gaussian_laplacian(shape.points(), &graph, &neighbours, kind, Some(&sheets))
+        }
+        _ => gaussian_laplacian(shape.points(), &graph, &neighbours, kind, None),
     })
 }

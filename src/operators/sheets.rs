@@ -1,7 +1,10 @@
 //! Which neighbours lie on the same sheet of surface as a point, where limbs touch.
 
+use ndarray::Array2;
+
 use super::frames::tangent_frame;
 use crate::graph::Neighbours;
+use crate::parts::meeting;
 use crate::vector::{dot, minus, norm};
 
 /// Neighbours that the first guess of the tangent plane is fitted to.
@@ -33,6 +36,8 @@ struct Sheet {
 pub struct Sheets<'p> {
     points: &'p [[f64; 3]],
     sheets: Vec<Sheet>,
+    /// Probabilities of body parts (n, 14), where they are known.
+    parts: Option<&'p Array2<f32>>,
 }
 
 impl<'p> Sheets<'p> {
@@ -43,7 +48,12 @@ impl<'p> Sheets<'p> {
     /// punish what is merely curved: fingers, noses, feet.
     pub fn fit(points: &'p [[f64; 3]], neighbours: &Neighbours) -> Self {
         let sheets = (0..points.len()).map(|i| Sheet::fit(points, neighbours, i)).collect();
-        Self { points, sheets }
+        Self { points, sheets, parts: None }
+    }
+
+    /// With probabilities of body parts (n, 14): parts that do not meet on a person lie on different sheets.
+    pub fn with_parts(self, parts: Option<&'p Array2<f32>>) -> Self {
+        Self { parts, ..self }
     }
 
     /// Number of points.
@@ -62,7 +72,8 @@ impl<'p> Sheets<'p> {
             let offset = minus(self.points[to as usize], self.points[from as usize]);
             self.sheets[from as usize].squared_residual(offset).min(2.0)
         };
-        (-FADE * (squared(i, j) + squared(j, i))).exp()
+        let meeting = self.parts.map_or(1.0, |parts| meeting(parts.row(i as usize), parts.row(j as usize)));
+        f64::from(meeting) * (-FADE * (squared(i, j) + squared(j, i))).exp()
     }
 
     /// Unit normal of the sheet at its point. Its sign means nothing: z ≥ 0, so that it does not hang on the order of points.

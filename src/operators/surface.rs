@@ -1,6 +1,6 @@
 //! What is known of a surface between the points of a sampling: which of them touch, and which way it faces.
 
-use ndarray::s;
+use ndarray::{Array2, s};
 
 use super::GaussianParams;
 use super::normals::cloud_normals_of;
@@ -37,11 +37,11 @@ pub struct Surface {
 
 impl Surface {
     /// Of a mesh along its edges; of a cloud along edges between neighbours that lie on one sheet, so that limbs in contact do not touch. `samples` are indices
-    /// of points, `basis` is that of the shape.
-    pub fn around(shape: &Shape, samples: &[u32], basis: &SpectralBasis) -> Self {
+    /// of points, `basis` is that of the shape; on a cloud `parts` are probabilities of body parts (n, 14) where they are known.
+    pub fn around(shape: &Shape, samples: &[u32], basis: &SpectralBasis, parts: Option<&Array2<f32>>) -> Self {
         let (graph, normals, oriented) = if shape.faces().is_empty() {
             let neighbours = nearest_neighbours(shape.points(), GaussianParams::default().neighbours);
-            let sheets = Sheets::fit(shape.points(), &neighbours);
+            let sheets = Sheets::fit(shape.points(), &neighbours).with_parts(parts);
             let near = |i: usize| neighbours.of(i).iter().zip(neighbours.distances(i)).take(NEAR);
             let edges = (0..neighbours.len()).flat_map(|i| near(i).map(move |(&j, &d)| (i as u32, j, d)));
             let kept = edges.filter(|&(i, j, _)| sheets.agreement(i, j) > SAME_SHEET);

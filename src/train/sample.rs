@@ -36,7 +36,7 @@ impl Sample {
             ..PrepareOptions::default()
         };
         let mut progress = Progress::silent();
-        let (prepared, operator_shape) = prepare_with_shape(shape, None, &options, &mut progress)?;
+        let (prepared, operator_shape, _) = prepare_with_shape(shape, None, &options, &mut progress)?;
         let labels = prepared.shape.labels().unwrap_or_default();
         let labels = (0..prepared.points_used()).map(|row| labels[prepared.support.uploaded(row)]).collect();
         let inputs = ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, &mut progress)

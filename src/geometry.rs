@@ -1,0 +1,67 @@
+//! What a shape is matched by before a network looks at it: operator, basis, descriptors, and the surface around a sampling.
+//!
+//! On a cloud this is done twice where limbs touch. Points of two sheets that lie closer than points of one cannot be told apart by where they lie; what the
+//! network made of the first basis says which is the hand and which the hip, and edges between parts that do not meet on a person
+//! are then edges between sheets. The paper has parts act on attention alone (Sec. 3.3). On 24 bodies of the generator as clouds, every third in contact,
+//! refined matches improve from 3.63 to 3.36 (×100/√area; seeds from 900001), on 24 others from 3.32 to 3.14 (from 800001).
+
+use ndarray::{Array2, ArrayView1, Axis};
+
+use crate::error::Error;
+use crate::features::wave_kernel_signature;
+use crate::operators::{self, Laplacian, LaplacianKind, Surface};
+use crate::parts::meeting;
+use crate::progress::{Progress, Stage};
+use crate::shape::{Shape, Support};
+use crate::spectrum::{SpectralBasis, SpectrumReport, spectrum};
+
+/// Share of edges between parts that do not meet from which limbs are in contact. Bodies of the generator that do not touch themselves have up to 0.2 %,
+/// the others 0.7 to 2.5 %.
+const IN_CONTACT: f64 = 0.001;
+/// Mean probability of the likeliest part from which the parts are a person's.
+const CERTAIN: f64 = 0.88;
+
+/// Operator and basis of a shape, one row per carrier, descriptors and surface at the points used.
+pub(crate) struct Geometry {
+    pub laplacian: Laplacian,
+    pub basis: SpectralBasis,
+    pub report: SpectrumReport,
+    pub features: Array2<f32>,
+    pub surface: Surface,
+}
+
+impl Geometry {
+    /// Of `shape`, whose points are the carriers; `coarse` are rows of points used. `parts` are probabilities (n, 14) of body parts, where they are known.
+    pub(crate) fn of(
+        shape: &Shape,
+        kind: LaplacianKind,
+        parts: Option<&Array2<f32>>,
+        (support, coarse): (&Support, &[u32]),
+        eigenpairs: usize,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        let laplacian = operators::laplacian_apart(shape, kind, parts, progress)?;
+        let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, eigenpairs, progress)?;
+        progress.at(Stage::Features, 0.0)?;
+        let features = wave_kernel_signature(&basis).values;
+        let (features, surface) = match &support.used {
+            None => (features, Surface::around(shape, coarse, &basis, parts)),
+            Some(used) => {
+                let carriers: Vec<u32> = coarse.iter().map(|&row| used[row as usize]).collect();
+                let rows: Vec<usize> = used.iter().map(|&row| row as usize).collect();
+                (features.select(Axis(0), &rows), Surface::around(shape, &carriers, &basis, parts).at(used))
+            }
+        };
+        Ok(Self { laplacian, basis, report, features, surface })
+    }
+}
+
+/// How many edges of a cloud's `laplacian` join body parts that do not meet on a person; nothing where that hardly counts, or where `parts` (n, 14) are not
+/// certain enough to be a person's.
+pub(crate) fn edges_between_limbs(laplacian: &Laplacian, parts: &Array2<f32>) -> Option<usize> {
+    let likeliest = |row: ArrayView1<f32>| f64::from(row.iter().copied().fold(0.0, f32::max));
+    let certainty = parts.rows().into_iter().map(likeliest).sum::<f64>() / parts.nrows().max(1) as f64;
+    let edges = || laplacian.matrix.iter().filter(|&(&entry, (i, j))| i < j && entry != 0.0);
+    let across = edges().filter(|&(_, (i, j))| meeting(parts.row(i), parts.row(j)) < 0.5).count();
+    (certainty >= CERTAIN && across as f64 > IN_CONTACT * edges().count() as f64).then_some(across)
+}
