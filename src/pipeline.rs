@@ -81,8 +81,12 @@ pub async fn prepare_with<D: Device>(
         // A graph and a spectrum again, but for who listens no stage comes twice.
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
         let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
-        let apart = Geometry::of(&operator_shape, kind, Some(&parts), sampled, options.eigenpairs, &mut within)?;
+        let apart = Geometry::of(&operator_shape, kind, Some(&parts), sampled, options.eigenpairs, &mut within);
         drop(within);
+        let apart = apart.map_err(|error| match error {
+            Error::Cancelled(_) => Cancelled { stage: Stage::Features }.into(),
+            error => error,
+        })?;
         let message = format!(
             "{} of neighbours join parts of the body that do not meet, as where a hand rests on a hip: they were told apart",
             counted(edges, "pair", "pairs")

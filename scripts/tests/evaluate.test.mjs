@@ -26,7 +26,8 @@ test('every set is measured in the modes that its files allow', () => {
   const told = plan(folder).map(({ set, mode, parts, laplacian }) => [set, mode, parts ?? laplacian].join(' '));
   assert.deepEqual(told, [
     ...['mesh', 'cloud', 'mesh-cloud'].flatMap((mode) => ['predicted', 'none', 'given'].map((parts) => `bodies ${mode} ${parts}`)),
-    ...['bodies mesh cotangent', 'bodies cloud geodesic', 'bodies cloud euclidean', 'bodies cloud geodesic-literal'],
+    'bodies mesh cotangent',
+    ...['default', 'geodesic', 'euclidean', 'geodesic-literal'].map((laplacian) => `bodies cloud ${laplacian}`),
     ...['clouds cloud predicted', 'clouds cloud none', 'parts mesh predicted', 'parts cloud predicted'],
     ...['mesh', 'cloud', 'mesh-cloud'].flatMap((mode) => [`pieces ${mode} predicted`, `pieces ${mode} none`]),
   ]);

@@ -1,0 +1,86 @@
+//! Limbs of a cloud that touch are told apart by their parts.
+
+mod shapes;
+
+use geose_fmap::{
+    Correspondence, LaplacianKind, MatchOptions, PARTS, PrepareOptions, PreparedShape, Progress, Shape, match_shapes,
+};
+use shapes::{body, distance, prepared};
+
+fn part(name: &str) -> u32 {
+    PARTS.iter().position(|part| *part == name).expect("a part") as u32
+}
+
+/// A standing man as a cloud, every second point.
+fn standing() -> Shape {
+    let whole = body("man-standing.ply");
+    let labels = whole.labels().expect("samples have labels");
+    let kept: Vec<usize> = (0..whole.points().len()).step_by(2).collect();
+    let points = kept.iter().map(|&i| whole.points()[i]).collect();
+    Shape::new(points, vec![], Some(kept.iter().map(|&i| labels[i]).collect())).expect("a cloud")
+}
+
+/// The same with the left arm swung about its shoulder until the hand rests on the leg or the hip.
+fn touching(free: &Shape) -> Shape {
+    let labels = free.labels().expect("labels");
+    let arm = ["left upper arm", "left forearm", "left hand"].map(part);
+    let of =
+        |wanted: &dyn Fn(u32) -> bool| -> Vec<usize> { (0..labels.len()).filter(|&i| wanted(labels[i])).collect() };
+    let (moved, hand) = (of(&|label| arm.contains(&label)), of(&|label| label == arm[2]));
+    let other = of(&|label| ["torso", "left thigh"].map(part).contains(&label));
+    // The shoulder: the middle of the end of the upper arm nearest to the middle of the torso.
+    let torso = middle(free, &of(&|label| label == part("torso")));
+    let mut upper = of(&|label| label == arm[0]);
+    upper.sort_by(|&i, &j| distance(free.points()[i], torso).total_cmp(&distance(free.points()[j], torso)));
+    let shoulder = middle(free, &upper[..upper.len() / 6]);
+    let swung = |angle: f64| -> Vec<[f64; 3]> {
+        let mut points = free.points().to_vec();
+        let (sin, cos) = angle.sin_cos();
+        for &i in &moved {
+            let [x, y, z] = std::array::from_fn(|c| points[i][c] - shoulder[c]);
+            points[i] = [shoulder[0] + cos * x - sin * y, shoulder[1] + sin * x + cos * y, shoulder[2] + z];
+        }
+        points
+    };
+    let gap = |points: &[[f64; 3]]| {
+        let to = |i: usize| other.iter().map(|&j| distance(points[i], points[j])).fold(f64::INFINITY, f64::min);
+        hand.iter().map(|&i| to(i)).fold(f64::INFINITY, f64::min)
+    };
+    let angles = (-90..=90).map(|degrees| f64::from(degrees).to_radians());
+    let mut near: Vec<f64> = angles.filter(|&angle| gap(&swung(angle)) < 0.012).collect();
+    near.sort_by(|x, y| x.abs().total_cmp(&y.abs()));
+    Shape::new(swung(near[0]), vec![], Some(labels.to_vec())).expect("a cloud")
+}
+
+fn middle(shape: &Shape, rows: &[usize]) -> [f64; 3] {
+    std::array::from_fn(|c| rows.iter().map(|&i| shape.points()[i][c]).sum::<f64>() / rows.len() as f64)
+}
+
+/// Mean distance to where they belong of the points of a part, metres.
+fn off(found: &Correspondence, free: &Shape, label: u32) -> f64 {
+    let labels = free.labels().expect("labels");
+    let rows = || (0..labels.len()).filter(|&i| labels[i] == label);
+    rows().map(|i| distance(free.points()[found.target[i] as usize], free.points()[i])).sum::<f64>()
+        / rows().count() as f64
+}
+
+#[test]
+fn a_hand_on_the_hip_stays_a_hand() {
+    let free = standing();
+    let contact = touching(&free);
+    let by_name = PrepareOptions { laplacian: Some(LaplacianKind::Geodesic), ..PrepareOptions::default() };
+    let told =
+        |shape: &PreparedShape| shape.repairs.iter().find(|repair| repair.code == "limbs-told-apart").map(|r| r.count);
+    let target = prepared(free.clone(), &PrepareOptions::default());
+    let [apart, joined] = [PrepareOptions::default(), by_name].map(|options| prepared(contact.clone(), &options));
+    let (edges, before) = (told(&apart).unwrap_or(0), told(&target).unwrap_or(0));
+    println!("{edges} edges told apart, {before} where nothing touches");
+    assert!(edges > 4 * before.max(30));
+    assert_eq!(told(&joined), None, "an operator asked for by name is that operator");
+    let hand = part("left hand");
+    let errors = [&apart, &joined].map(|shape| {
+        let found = match_shapes(shape, &target, &MatchOptions::default(), &mut Progress::silent()).expect("matched");
+        off(&found.a_to_b, &free, hand)
+    });
+    assert!(errors[0] < 0.8 * errors[1], "{errors:?}");
+}
