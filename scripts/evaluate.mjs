@@ -100,7 +100,8 @@ ${matches}
 
 ## What the bases allow
 
-The functional map of the true match itself (\`--oracle\`, k = 120), which no feature or refinement takes part in.
+The functional map of the true match itself (\`--oracle\`, k = 120), which no refinement takes part in, and no feature but one: on a cloud the
+default is the geodesic Laplacian with limbs in contact told apart by the parts that the network predicts; the one called geodesic knows none.
 
 ${oracles}
 `;

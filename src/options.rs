@@ -15,7 +15,7 @@ pub struct PrepareOptions {
     /// Whether faces count, or the scan is taken as a cloud.
     pub faces: FaceUse,
     /// Which Laplacian; by default cotangents on meshes and on clouds the geodesic one, in which body parts that the network tells apart hold limbs in contact
-    /// apart. One that is asked for knows nothing of parts.
+    /// apart (the repair `limbs-told-apart` says where). One that is asked for by name knows nothing of parts.
     pub laplacian: Option<LaplacianKind>,
     /// Eigenpairs k of the basis, 10 to 1000 (paper: 120).
     pub eigenpairs: usize,

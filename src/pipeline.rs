@@ -24,7 +24,7 @@ use crate::shape::{
     Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, THIN_LIMIT, counted, farthest_points, set_crumbs_aside,
     support,
 };
-use crate::spectrum::check_size;
+use crate::spectrum::{SpectralBasis, SpectrumReport, check_size};
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
@@ -75,30 +75,46 @@ pub async fn prepare_with<D: Device>(
     progress: &mut Progress<'_>,
 ) -> Result<PreparedShape, Error> {
     let (mut prepared, operator_shape, laplacian) = prepare_with_shape(shape, name, options, progress)?;
-    let parts = ask(model, &mut prepared, &operator_shape, 0.2..0.4, progress).await?;
+    // Kept through the network only where it may be needed again.
     let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
-    if let Some(edges) = by_default.then(|| edges_between_limbs(&laplacian, &parts)).flatten() {
+    let laplacian = by_default.then_some(laplacian);
+    let parts = ask(model, &mut prepared, &operator_shape, 0.2..0.4, progress).await?;
+    if let Some(edges) = laplacian.and_then(|laplacian| edges_between_limbs(&laplacian, &parts)) {
         // A graph and a spectrum again, but for who listens no stage comes twice.
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
         let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
         let apart = Geometry::of(&operator_shape, kind, Some(&parts), sampled, options.eigenpairs, &mut within);
         drop(within);
-        let apart = apart.map_err(|error| match error {
-            Error::Cancelled(_) => Cancelled { stage: Stage::Features }.into(),
-            error => error,
-        })?;
-        let message = format!(
-            "{} of neighbours join parts of the body that do not meet, as where a hand rests on a hip: they were told apart",
-            counted(edges, "pair", "pairs")
-        );
-        prepared.repairs.push(Repair::noted("limbs-told-apart", edges, message));
-        prepared.info.residual = apart.report.residual;
-        (prepared.basis, prepared.features, prepared.surface) = (apart.basis, apart.features, apart.surface);
-        ask(model, &mut prepared, &operator_shape, 0.8..0.9, progress).await?;
+        match apart {
+            Ok(apart) => {
+                let message = format!(
+                    "{} of neighbours join parts of the body that do not meet, as where a hand rests on a hip: they were told apart",
+                    counted(edges, "pair", "pairs")
+                );
+                prepared.repairs.retain(|repair| repair.code != NOT_PROVED);
+                prepared.repairs.push(Repair::noted("limbs-told-apart", edges, message));
+                prepared.repairs.extend(not_proved(&apart.report, &apart.basis));
+                prepared.info.residual = apart.report.residual;
+                (prepared.basis, prepared.features, prepared.surface) = (apart.basis, apart.features, apart.surface);
+                ask(model, &mut prepared, &operator_shape, 0.8..0.9, progress).await?;
+            }
+            Err(Error::Cancelled(_)) => return Err(Cancelled { stage: Stage::Features }.into()),
+            // The basis that knows no parts is there and good.
+            Err(_) => {}
+        }
     }
     progress.at(Stage::Features, 1.0)?;
     prepared.info.seconds = progress.take_seconds();
     Ok(prepared)
+}
+
+/// Code of the repair that says that an eigenpair may be missing.
+const NOT_PROVED: &str = "spectrum-not-proved";
+
+/// Says so where it was not proved that a basis misses nothing.
+fn not_proved(report: &SpectrumReport, basis: &SpectralBasis) -> Option<Repair> {
+    let message = "the eigenvalues are right, but it was not proved that none between them is missing";
+    (!report.complete).then(|| Repair::noted(NOT_PROVED, basis.k(), message.to_owned()))
 }
 
 /// What the network makes of a shape, within a range of the stage; returns the probabilities of parts.
@@ -204,10 +220,7 @@ pub(crate) fn prepare_with_shape(
 
     let geometry = Geometry::of(&operator_shape, kind, None, (&support, &coarse), options.eigenpairs, progress)?;
     let Geometry { laplacian, basis, report, features, surface } = geometry;
-    if !report.complete {
-        let message = "the eigenvalues are right, but it was not proved that none between them is missing".to_owned();
-        repairs.push(Repair::noted("spectrum-not-proved", basis.k(), message));
-    }
+    repairs.extend(not_proved(&report, &basis));
 
     let info = Info {
         kind: if used_shape.faces().is_empty() { ShapeKind::Cloud } else { ShapeKind::Mesh },

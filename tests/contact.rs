@@ -3,7 +3,8 @@
 mod shapes;
 
 use geose_fmap::{
-    Correspondence, LaplacianKind, MatchOptions, PARTS, PrepareOptions, PreparedShape, Progress, Shape, match_shapes,
+    Correspondence, LaplacianKind, MatchOptions, PARTS, PrepareOptions, PreparedShape, Progress, Shape, Stage,
+    match_shapes, prepare,
 };
 use shapes::{body, distance, prepared};
 
@@ -49,7 +50,8 @@ fn touching(free: &Shape) -> Shape {
     let angles = (-90..=90).map(|degrees| f64::from(degrees).to_radians());
     let mut near: Vec<f64> = angles.filter(|&angle| gap(&swung(angle)) < 0.012).collect();
     near.sort_by(|x, y| x.abs().total_cmp(&y.abs()));
-    Shape::new(swung(near[0]), vec![], Some(labels.to_vec())).expect("a cloud")
+    let angle = *near.first().expect("an angle at which the hand touches");
+    Shape::new(swung(angle), vec![], Some(labels.to_vec())).expect("a cloud")
 }
 
 fn middle(shape: &Shape, rows: &[usize]) -> [f64; 3] {
@@ -83,4 +85,19 @@ fn a_hand_on_the_hip_stays_a_hand() {
         off(&found.a_to_b, &free, hand)
     });
     assert!(errors[0] < 0.8 * errors[1], "{errors:?}");
+}
+
+#[test]
+fn a_stop_while_limbs_are_told_apart_is_a_stop() {
+    let contact = touching(&standing());
+    let mut heard = 0;
+    let options = PrepareOptions { points: 2000, ..PrepareOptions::default() };
+    // The second basis is announced a good many times; the third time somebody has had enough.
+    let stop = |stage: Stage, done: f64| {
+        heard += usize::from(stage == Stage::Features && done == 0.5);
+        heard < 3
+    };
+    let error = prepare(contact, None, &options, &mut Progress::new(stop)).expect_err("stopped");
+    assert_eq!(error.code(), "cancelled");
+    assert_eq!(heard, 3);
 }

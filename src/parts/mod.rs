@@ -29,8 +29,49 @@ pub const PARTS: [&str; 14] = [
 const MEETING: [[usize; 2]; 13] =
     [[0, 1], [1, 2], [1, 3], [1, 8], [1, 9], [2, 4], [3, 5], [4, 6], [5, 7], [8, 10], [9, 11], [10, 12], [11, 13]];
 
-/// Probability that two points belong to one part or to parts that meet, by their probabilities (14) of parts.
+/// Probability that two points belong to one part or to parts that meet, by their probabilities (14) of parts, as if these were independent of each other:
+/// where both are in doubt between parts that do not meet, it is as low as where they differ.
 pub(crate) fn meeting(p: ArrayView1<f32>, q: ArrayView1<f32>) -> f32 {
     let same: f32 = p.dot(&q);
     same + MEETING.iter().map(|&[i, j]| p[i] * q[j] + p[j] * q[i]).sum::<f32>()
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::{Array1, array};
+
+    use super::{MEETING, PARTS, meeting};
+
+    fn certain(part: usize) -> Array1<f32> {
+        let mut row = Array1::zeros(PARTS.len());
+        row[part] = 1.0;
+        row
+    }
+
+    #[test]
+    fn parts_meet_themselves_and_their_neighbours_on_both_sides_alike() {
+        let side = |part: usize, from: &str, to: &str| {
+            let name = PARTS[part].replace(from, to);
+            PARTS.iter().position(|other| *other == name).expect("both sides have the same parts")
+        };
+        for (i, one) in PARTS.iter().enumerate() {
+            for (j, another) in PARTS.iter().enumerate() {
+                let (p, q) = (certain(i), certain(j));
+                let met = meeting(p.view(), q.view());
+                let listed = i == j || MEETING.contains(&[i.min(j), i.max(j)]);
+                assert_eq!(met, if listed { 1.0 } else { 0.0 }, "{one} {another}");
+                assert_eq!(met, meeting(q.view(), p.view()));
+                let other = |part: usize| {
+                    if PARTS[part].starts_with("left") {
+                        side(part, "left", "right")
+                    } else {
+                        side(part, "right", "left")
+                    }
+                };
+                assert_eq!(met, meeting(certain(other(i)).view(), certain(other(j)).view()));
+            }
+        }
+        let doubtful = array![0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        assert_eq!(meeting(doubtful.view(), certain(4).view()), 0.5, "torso or hand beside a forearm");
+    }
 }
