@@ -9,6 +9,7 @@ use ndarray::{Array2, ArrayView1, Axis};
 
 use crate::error::Error;
 use crate::features::wave_kernel_signature;
+use crate::fmap::Familiarity;
 use crate::operators::{self, Laplacian, LaplacianKind, Surface};
 use crate::parts::meeting;
 use crate::progress::{Progress, Stage};
@@ -18,8 +19,6 @@ use crate::spectrum::{SpectralBasis, SpectrumReport, spectrum};
 /// Share of edges between parts that do not meet from which limbs are in contact. Bodies of the generator that do not touch themselves have up to 0.2 %,
 /// the others 0.7 to 2.5 %; below, a second basis changes nothing (tune set: 3.14 with it always or from here on).
 const IN_CONTACT: f64 = 0.001;
-/// Mean probability of the likeliest part from which the parts are a person's: as for the verdict on a pair ([`crate::fmap::Familiarity`]).
-const CERTAIN: f64 = 0.88;
 
 /// Operator and basis of a shape, one row per carrier, descriptors and surface at the points used.
 pub(crate) struct Geometry {
@@ -64,5 +63,6 @@ pub(crate) fn edges_between_limbs(laplacian: &Laplacian, parts: &Array2<f32>) ->
     let edges = || laplacian.matrix.iter().filter(|&(&entry, (i, j))| i < j && entry != 0.0);
     let across = edges().filter(|&(_, (i, j))| meeting(parts.row(i), parts.row(j)) < 0.5).count();
     let sound = parts.iter().all(|p| p.is_finite());
-    (sound && certainty >= CERTAIN && across as f64 > IN_CONTACT * edges().count() as f64).then_some(across)
+    (sound && certainty >= Familiarity::UNCERTAIN && across as f64 > IN_CONTACT * edges().count() as f64)
+        .then_some(across)
 }

@@ -38,6 +38,7 @@ pub mod cli;
 #[cfg(not(target_arch = "wasm32"))]
 mod colour;
 mod device;
+mod doubts;
 mod error;
 #[cfg(not(target_arch = "wasm32"))]
 mod evaluate;

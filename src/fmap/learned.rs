@@ -33,7 +33,7 @@ impl Familiarity {
     /// Above this the maps there and back do not belong together.
     const STRANGE: f64 = 0.2;
     /// Below this a shape has not the parts of a person.
-    const UNCERTAIN: f64 = 0.88;
+    pub(crate) const UNCERTAIN: f64 = 0.88;
 
     /// Whether the pair is unlike what the network was trained on.
     pub fn is_strange(&self) -> bool {
