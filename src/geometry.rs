@@ -66,3 +66,37 @@ pub(crate) fn edges_between_limbs(laplacian: &Laplacian, parts: &Array2<f32>) ->
     (sound && certainty >= Familiarity::UNCERTAIN && across as f64 > IN_CONTACT * edges().count() as f64)
         .then_some(across)
 }
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+
+    use super::{Laplacian, LaplacianKind, edges_between_limbs};
+
+    /// Points in a row, each joined to the next, of the parts named by index with this certainty.
+    fn row(parts: &[usize], certainty: f32) -> (Laplacian, Array2<f32>) {
+        let edges = (1..parts.len() as u32).map(|i| (i - 1, i, 1.0));
+        let laplacian = Laplacian::from_weights(LaplacianKind::Geodesic, vec![1.0; parts.len()], edges);
+        let probability = |(i, part)| if parts[i] == part { certainty } else { (1.0 - certainty) / 13.0 };
+        (laplacian, Array2::from_shape_fn((parts.len(), 14), probability))
+    }
+
+    #[test]
+    fn only_certain_parts_that_do_not_meet_are_limbs_in_contact() {
+        let found = |parts: &[usize], certainty: f32| {
+            let (laplacian, parts) = row(parts, certainty);
+            edges_between_limbs(&laplacian, &parts)
+        };
+        // Torso, left hand, left hand, left thigh: two contacts. Torso, left upper arm, left forearm, left hand: none.
+        assert_eq!(found(&[1, 6, 6, 8], 0.97), Some(2));
+        assert_eq!(found(&[1, 2, 4, 6], 0.97), None);
+        assert_eq!(found(&[1, 6, 6, 8], 0.85), None, "not certain enough for a person");
+        let (laplacian, mut parts) = row(&[1, 6, 6, 8], 0.97);
+        parts[(2, 3)] = f32::NAN;
+        assert_eq!(edges_between_limbs(&laplacian, &parts), None, "no number");
+        // One edge in 1999 is below a thousandth.
+        let mut long = vec![1; 2000];
+        long[1999] = 6;
+        assert_eq!(found(&long, 0.97), None);
+    }
+}
