@@ -82,7 +82,7 @@ pub use operators::{
     Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,
 };
 pub use options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
-pub use parts::PARTS;
+pub use parts::{GROUP_OF_PART, GROUPS, PARTS};
 pub use pipeline::{Match, match_shapes, match_with, prepare, prepare_with};
 pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
 pub use processor::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse, Processor};

@@ -281,7 +281,10 @@ pub(crate) async fn match_with_cues<D: Device>(
     };
     let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
     let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
-    let sides = [a.matchable(), b.matchable()];
+    let sides = [a, b].map(|shape| {
+        let trust = shape.embedding.as_ref().and_then(|embedding| model.trust(embedding));
+        Matchable { trust, ..shape.matchable() }
+    });
     let [side_a, side_b] = &sides;
     let known = [
         landmarks(a, b, side_a, side_b, &options.landmarks)?,
@@ -371,7 +374,7 @@ async fn best_maps<D: Device>(
     if familiarity.is_none_or(|at_home| at_home.is_of_others()) {
         // Many steps on few points: a device would mostly wait.
         let maps = initial_maps(&Cpu, side_a, side_b, known, parts).await;
-        without = sides.clone().map(|side| Matchable { parts: None, ..side });
+        without = sides.clone().map(|side| Matchable { parts: None, trust: None, ..side });
         candidates.push((&without, maps, None, serde_json::Value::Null));
     }
 

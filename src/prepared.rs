@@ -15,7 +15,7 @@ use crate::fmap::Matchable;
 use crate::model::PointEmbedding;
 use crate::operators::{LaplacianKind, Surface};
 use crate::options;
-use crate::parts::PARTS;
+use crate::parts::{GROUP_OF_PART, GROUPS, PARTS};
 use crate::shape::{Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
 use crate::vector::{cross, dot, minus};
@@ -108,7 +108,7 @@ impl PreparedShape {
         self.support.points_used(self.shape.points().len())
     }
 
-    /// The shape at unit area, at the points used.
+    /// The shape at unit area, at the points used. What depends on weights (`trust`) is left out.
     pub fn matchable(&self) -> Matchable {
         let p = self.points_used();
         let eigenvectors = match &self.support.used {
@@ -137,7 +137,7 @@ impl PreparedShape {
         };
         let (features, coarse, surface) = (self.features.clone(), self.coarse.clone(), self.surface.clone());
         let parts = self.embedding.as_ref().map(|embedding| embedding.parts.clone());
-        Matchable { basis, points, features, parts, coarse, surface }
+        Matchable { basis, points, features, parts, trust: None, coarse, surface }
     }
 
     /// The predicted part of each uploaded point, an index into [`crate::PARTS`]; nothing when no network was asked.
@@ -173,7 +173,8 @@ impl PreparedShape {
             let names: Vec<String> = (0..=highest).map(|part| format!("part {part}")).collect();
             return Some(serde_json::json!({ "names": names, "source": "given" }));
         }
-        self.embedding.as_ref().map(|_| serde_json::json!({ "names": PARTS, "source": "predicted" }))
+        let groups = serde_json::json!({ "names": GROUPS, "of": GROUP_OF_PART });
+        self.embedding.as_ref().map(|_| serde_json::json!({ "names": PARTS, "source": "predicted", "groups": groups }))
     }
 
     /// The flat block: safetensors, little-endian.

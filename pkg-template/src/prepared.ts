@@ -101,7 +101,7 @@ export const preparedFrom = (bytes: Uint8Array<ArrayBuffer>): PreparedShape => c
 export const blockOf = (shape: PreparedShape): Uint8Array<ArrayBuffer> => open(shape).bytes;
 
 function partsOf(block: Block): Parts | null {
-  const parts = block.json<Pick<Parts, 'names' | 'source'> | null>('parts');
+  const parts = block.json<Pick<Parts, 'names' | 'source' | 'groups'> | null>('parts');
   const table = parts && (parts.source === 'given' ? givenParts(block, parts.names.length) : predictedParts(block, parts.names.length));
   if (!table) return null;
   let probabilities: Parts['probabilities'] | undefined;

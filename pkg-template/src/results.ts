@@ -104,6 +104,8 @@ export interface Parts {
   /** Predicted: 14, with a side where they have one, which is the person's own. Given labels have numbers for names. */
   names: string[];
   source: 'given' | 'predicted';
+  /** Of predicted parts: 8 coarser ones (an arm with its hand, a shank with its foot), and for each of `names` the index of its group. */
+  groups?: { names: string[]; of: number[] };
 }
 
 /** A sparse symmetric operator L with its mass M: compressed rows of an (n, n) matrix. */

@@ -127,6 +127,7 @@ describe('what a matcher hands out', () => {
     const labelled = await matcher.prepare({ ...A, labels }, OPTIONS);
     const { parts } = labelled;
     assert.equal(parts.source, 'given');
+    assert.equal(parts.groups, undefined);
     assert.deepEqual(parts.labels, labels);
     assert.equal(parts.probabilities.length, labels.length * parts.names.length);
     parts.labels.forEach((label, i) => assert.equal(parts.probabilities[i * parts.names.length + label], 1));
@@ -144,6 +145,10 @@ describe('what a matcher hands out', () => {
       assert.equal(names.length, 14);
       assert.ok(labels instanceof Uint8Array && labels.every((label) => label < 14));
       assert.equal(shape.parts.probabilities, shape.parts.probabilities);
+      const { groups } = shape.parts;
+      assert.equal(groups.names.length, 8);
+      assert.equal(groups.names[groups.of[names.indexOf('left hand')]], 'left arm');
+      assert.equal(groups.names[groups.of[names.indexOf('right foot')]], 'right shank');
     }
     assert.equal(a.parts.labels.length, points(A));
     assert.equal(structuredClone(a.parts).probabilities.length, 14 * points(A));

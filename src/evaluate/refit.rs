@@ -3,25 +3,60 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use ndarray::{Array1, Array2, ArrayView1};
+
 use super::calibration::{Judged, area_under_curve, calibration_error};
+use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::fmap::{CUES, Refinement, Situation, fit};
-use crate::model::Model;
+use crate::fmap::{CUES, Refinement, Situation, fit, probability};
+use crate::model::{Model, TRUST, Weights};
 use crate::options::{MatchOptions, Parts, PrepareOptions};
 use crate::pipeline::match_with_cues;
+use crate::prepared::PreparedShape;
 use crate::progress::Progress;
 
-/// Points with their cues, and whether they are matched rightly.
-type Points = Vec<([f64; CUES], bool)>;
+/// Cues besides trust, which is found here.
+const OTHERS: usize = CUES - 1;
+/// What few ask for (no refinement, no network) is fitted to about every so many-th pair.
+const RARE: u64 = 4;
 
-/// Matches pairs of the set in all modes, with and without refinement and the network, and writes the coefficients that explain best which points are right.
-/// `told` hears a line now and then.
+/// Points of a situation.
+#[derive(Default)]
+struct Points {
+    /// Cues besides trust, [`OTHERS`] of each.
+    cues: Vec<f32>,
+    /// Features, `width` of each; none without the network.
+    features: Vec<f32>,
+    width: usize,
+    /// Whether they are matched rightly.
+    right: Vec<bool>,
+}
+
+impl Points {
+    fn cues(&self, i: usize) -> &[f32] {
+        &self.cues[i * OTHERS..(i + 1) * OTHERS]
+    }
+
+    fn features(&self, i: usize) -> ArrayView1<'_, f32> {
+        ArrayView1::from(&self.features[i * self.width..(i + 1) * self.width])
+    }
+
+    fn join(&mut self, more: Self) {
+        self.width = more.width;
+        self.cues.extend(more.cues);
+        self.features.extend(more.features);
+        self.right.extend(more.right);
+    }
+}
+
+/// Matches pairs of the set in all modes, with and without refinement and the network. Returns the coefficients that explain best which points are right, as the
+/// source has them, and the weights with the trust that belongs to them. `told` hears a line now and then.
 pub fn refit(
     dataset: &Path,
     limit: Option<usize>,
     model: &Model,
     told: &(dyn Fn(&str) + Sync),
-) -> Result<String, EvaluationError> {
+) -> Result<(String, Weights), EvaluationError> {
     let mut points: BTreeMap<Situation, Points> = BTreeMap::new();
     for mode in [Mode::Mesh, Mode::Cloud, Mode::MeshCloud] {
         let task = Task {
@@ -37,46 +72,95 @@ pub fn refit(
             oracle: false,
         };
         let (.., found) = over_pairs(&task, model, told, |trial| {
-            let [a, b] = trial.shapes.map(|shape| shape.clone());
-            let unknown = [&a, &b].map(|shape| crate::prepared::PreparedShape { embedding: None, ..shape.clone() });
+            let line = trial.names.map(String::as_str).join(" ");
+            let known = trial.shapes.map(PreparedShape::clone);
+            let unknown = known.clone().map(|shape| PreparedShape { embedding: None, ..shape });
+            let rare = every(RARE, &line);
             let mut found = Vec::new();
-            for [a, b] in [[&a, &b], [&unknown[0], &unknown[1]]] {
-                for refine in [Refinement::Best, Refinement::None] {
-                    let options = MatchOptions { refine, ..MatchOptions::default() };
-                    let mut progress = Progress::silent();
-                    let matched = pollster::block_on(match_with_cues(model, a, b, &options, &mut progress));
-                    let names = || trial.names.map(String::as_str).join(" ");
-                    let (matched, [cues, _]) = matched.map_err(|e| EvaluationError::method(names(), e))?;
-                    let judged = trial.judge(&matched.a_to_b.target).into_iter().map(|(i, right)| {
-                        let row = cues.table.row(a.support.row_of(i as usize));
-                        (std::array::from_fn(|c| row[c]), right)
-                    });
-                    found.push((Situation::of(&cues), judged.collect::<Points>()));
+            for (shapes, refine, asked) in [
+                (&known, Refinement::Best, true),
+                (&known, Refinement::None, rare),
+                (&unknown, Refinement::Best, rare),
+                (&unknown, Refinement::None, rare),
+            ] {
+                if !asked {
+                    continue;
                 }
+                let options = MatchOptions { refine, ..MatchOptions::default() };
+                let [a, b] = shapes;
+                let matched = pollster::block_on(match_with_cues(model, a, b, &options, &mut Progress::silent()));
+                let (matched, [cues, _]) = matched.map_err(|e| EvaluationError::method(&line, e))?;
+                let situation = Situation::of(&cues);
+                let features = a.embedding.as_ref().filter(|_| situation.learned).map(|e| &e.features);
+                let mut points = Points { width: features.map_or(0, Array2::ncols), ..Points::default() };
+                for (i, right) in trial.judge(&matched.a_to_b.target) {
+                    let row = a.support.row_of(i as usize);
+                    points.cues.extend(cues.table.row(row).iter().take(OTHERS).map(|&cue| cue as f32));
+                    points.features.extend(features.iter().flat_map(|features| features.row(row)));
+                    points.right.push(right);
+                }
+                found.push((situation, points));
             }
             Ok(found)
         })?;
         for (situation, more) in found.into_iter().flatten() {
-            points.entry(situation).or_default().extend(more);
+            points.entry(situation).or_default().join(more);
         }
     }
-    Ok(points.into_iter().map(|(situation, points)| lines(situation, &points)).collect())
+    let features = model.weights().config.features;
+    let mut trust = Array2::<f32>::zeros((features + 1, 2));
+    let mut fitted = BTreeMap::new();
+    // Refined maps first: their points say what trust is, and the others take it as it is.
+    let (best, others): (Vec<_>, Vec<_>) = points.iter().partition(|(s, points)| s.laid && points.width == features);
+    for (&situation, points) in best {
+        let coefficients = fit(&points.right, OTHERS + features, |i, row| {
+            row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
+            row[OTHERS..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
+        });
+        let (of_cues, of_features) = coefficients.split_at(1 + OTHERS);
+        let mut column = trust.column_mut(usize::from(!situation.meshes));
+        (0..features).for_each(|f| column[f] = of_features[f] as f32);
+        // About 0 on average, so that a point of which nothing is known is as good as any.
+        let direction: Array1<f32> = column.iter().take(features).copied().collect();
+        let sum: f64 = (0..points.right.len()).map(|i| f64::from(points.features(i).dot(&direction))).sum();
+        let mean = sum / points.right.len().max(1) as f64;
+        column[features] = -mean as f32;
+        let constant = of_cues[0] + mean;
+        fitted.insert(situation, [&[constant], &of_cues[1..], &[1.0]].concat());
+    }
+    let trusted = |situation: &Situation, points: &Points, i: usize| {
+        let column = trust.column(usize::from(!situation.meshes));
+        let of = |features: ArrayView1<f32>| {
+            features.iter().zip(column).fold(column[features.len()], |sum, (x, t)| sum + x * t)
+        };
+        if points.width == features { f64::from(of(points.features(i))) } else { 0.0 }
+    };
+    for (&situation, points) in others {
+        let coefficients = fit(&points.right, CUES, |i, row| {
+            row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
+            row[OTHERS] = trusted(&situation, points, i);
+        });
+        fitted.insert(situation, coefficients);
+    }
+    let text = fitted.iter().map(|(situation, coefficients)| {
+        let points = &points[situation];
+        let trust = |i: usize| trusted(situation, points, i);
+        lines(*situation, points, coefficients, trust)
+    });
+    Ok((text.collect(), model.weights().clone().with(TRUST, trust.clone())))
 }
 
 /// Coefficients as the source has them.
-fn lines(situation: Situation, points: &Points) -> String {
-    let coefficients = fit(points);
-    let judged: Vec<Judged> = points
-        .iter()
-        .map(|(cues, right)| Judged {
-            confidence: crate::fmap::probability(&coefficients, cues.iter().copied()) as f32,
-            right: *right,
-        })
-        .collect();
+fn lines(situation: Situation, points: &Points, coefficients: &[f64], trust: impl Fn(usize) -> f64) -> String {
+    let judged = |(i, &right): (usize, &bool)| {
+        let cues = points.cues(i).iter().map(|&cue| f64::from(cue)).chain([trust(i)]);
+        Judged { confidence: probability(coefficients, cues) as f32, right }
+    };
+    let judged: Vec<Judged> = points.right.iter().enumerate().map(judged).collect();
     let of = |score: Option<f64>| score.map_or_else(|| "–".to_owned(), |score| format!("{score:.3}"));
     let scores = [of(area_under_curve(&judged)), of(calibration_error(&judged))];
     let values: Vec<String> = coefficients.iter().map(|value| format!("{value:.2}")).collect();
-    let (count, [auc, ece]) = (points.len(), scores);
+    let (count, [auc, ece]) = (judged.len(), scores);
     format!(
         "    // {situation:?}: {count} points, AUC {auc}, calibration error {ece} on themselves.\n    [{}],\n",
         values.join(", ")

@@ -10,6 +10,12 @@ pub(super) fn select<T>(mut items: Vec<T>, line: impl Fn(&T) -> String, limit: O
     items
 }
 
+/// Whether a pair is one of about every `n`-th.
+#[cfg(feature = "train")]
+pub(super) fn every(n: u64, line: &str) -> bool {
+    fnv1a_64(line.as_bytes()).is_multiple_of(n)
+}
+
 /// Fowler, Noll & Vo: FNV-1a, 64 bits.
 pub(super) fn fnv1a_64(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))

@@ -3,6 +3,8 @@
 #[cfg(any(test, feature = "train"))]
 use faer::{Mat, Side, linalg::solvers::Solve};
 use ndarray::ArrayView1;
+#[cfg(any(test, feature = "train"))]
+use ndarray::{Array1, Array2, Axis};
 
 use super::cues::{CUES, Cues};
 
@@ -10,11 +12,11 @@ use super::cues::{CUES, Cues};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Situation {
     /// The network took part.
-    learned: bool,
+    pub(crate) learned: bool,
     /// The bodies were laid onto each other.
-    laid: bool,
+    pub(crate) laid: bool,
     /// Both are meshes.
-    meshes: bool,
+    pub(crate) meshes: bool,
 }
 
 /// A constant and one coefficient per cue (cycle, strain and residual, each near and wide; head, upper arm, forearm, hand, thigh, shank, foot) of a logistic
@@ -34,25 +36,28 @@ pub(crate) struct Situation {
 /// What it prints goes here, and `evaluate` on other bodies says how well it holds.
 #[rustfmt::skip]
 const COEFFICIENTS: [[f64; 1 + CUES]; 8] = [
-    [1.60, -0.31, -5.01, 1.81, -14.25, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
-    [1.46, 0.95, -4.52, -1.95, -12.45, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
-    [3.35, 0.91, -27.31, -1.77, -35.53, 2.27, 24.68, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
-    [4.65, -5.05, -13.58, -5.40, -70.93, 20.03, 15.75, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
-    [4.60, -4.43, -15.56, -14.33, 1.88, 0.00, 0.00, 0.11, 0.14, 0.61, 0.36, 0.13, 1.11, 0.64],
-    [5.56, -6.29, 2.17, -26.03, -14.83, 0.00, 0.00, -0.01, -0.06, 0.26, 0.23, 0.20, 1.08, 0.77],
-    [6.10, -16.43, 0.07, -5.00, -6.59, -16.00, 1.83, -0.31, -0.16, 0.31, 0.21, -0.37, 0.61, 0.81],
-    [8.80, -3.58, -10.27, -4.59, -9.39, -25.86, -23.24, -0.33, 0.37, 0.96, 0.70, -0.19, 0.72, 2.00],
+    [1.60, -0.31, -5.01, 1.81, -14.25, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
+    [1.46, 0.95, -4.52, -1.95, -12.45, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
+    [3.35, 0.91, -27.31, -1.77, -35.53, 2.27, 24.68, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
+    [4.65, -5.05, -13.58, -5.40, -70.93, 20.03, 15.75, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
+    [4.60, -4.43, -15.56, -14.33, 1.88, 0.00, 0.00, 0.11, 0.14, 0.61, 0.36, 0.13, 1.11, 0.64, 0.00],
+    [5.56, -6.29, 2.17, -26.03, -14.83, 0.00, 0.00, -0.01, -0.06, 0.26, 0.23, 0.20, 1.08, 0.77, 0.00],
+    [6.10, -16.43, 0.07, -5.00, -6.59, -16.00, 1.83, -0.31, -0.16, 0.31, 0.21, -0.37, 0.61, 0.81, 0.00],
+    [8.80, -3.58, -10.27, -4.59, -9.39, -25.86, -23.24, -0.33, 0.37, 0.96, 0.70, -0.19, 0.72, 2.00, 0.00],
 ];
 
 /// Smallest and largest probability that is ever said: fitted to some ten thousand points, no function knows more.
 const CERTAIN: [f64; 2] = [0.01, 0.99];
 
-/// Adds up to this much of a coefficient's square per point, so that cues that hardly vary get no weight.
+/// Adds up to this much of a coefficient's square per point, so that inputs that hardly vary, or that others say as well, get no weight.
 #[cfg(any(test, feature = "train"))]
 const RIDGE: f64 = 1e-6;
 /// Newton's method is done long before.
 #[cfg(any(test, feature = "train"))]
-const ITERATIONS: usize = 50;
+const ITERATIONS: usize = 30;
+/// Rows that are multiplied at once.
+#[cfg(any(test, feature = "train"))]
+const BLOCK: usize = 4096;
 
 impl Situation {
     /// Of the points with these cues.
@@ -74,32 +79,42 @@ pub(super) fn confidence(cues: &Cues) -> Vec<f32> {
 }
 
 /// 1/(1 + e^−x), x being the constant and the weighted sum of cues.
-pub(crate) fn probability(coefficients: &[f64; 1 + CUES], cues: impl Iterator<Item = f64>) -> f64 {
-    let [constant, slopes @ ..] = coefficients;
-    let odds = slopes.iter().zip(cues).fold(*constant, |sum, (slope, cue)| sum + slope * cue);
+pub(crate) fn probability(coefficients: &[f64], cues: impl Iterator<Item = f64>) -> f64 {
+    // The constant goes with a 1.
+    let odds: f64 = coefficients.iter().zip(std::iter::once(1.0).chain(cues)).map(|(slope, cue)| slope * cue).sum();
     1.0 / (1.0 + (-odds).exp())
 }
 
-/// Coefficients under which `points` (cues, and whether the match is right) are likeliest, by Newton's method.
+/// A constant and one coefficient for each input, under which `points` are likeliest: whether each is right, and what `inputs` writes of it into a row of as
+/// many values as it is given. By Newton's method.
 #[cfg(any(test, feature = "train"))]
-pub(crate) fn fit(points: &[([f64; CUES], bool)]) -> [f64; 1 + CUES] {
-    let mut found = [0.0; 1 + CUES];
+pub(crate) fn fit(points: &[bool], count: usize, inputs: impl Fn(usize, &mut [f64])) -> Vec<f64> {
+    let size = 1 + count;
+    let mut found = Array1::<f64>::zeros(size);
     for _ in 0..ITERATIONS {
-        let mut hessian = Mat::<f64>::identity(1 + CUES, 1 + CUES) * faer::Scale(RIDGE * points.len() as f64);
-        let mut gradient = Mat::from_fn(1 + CUES, 1, |c, _| RIDGE * points.len() as f64 * found[c]);
-        for (cues, right) in points {
-            let p = probability(&found, cues.iter().copied());
-            let x: [f64; 1 + CUES] = std::array::from_fn(|c| if c == 0 { 1.0 } else { cues[c - 1] });
-            for c in 0..=CUES {
-                gradient[(c, 0)] += x[c] * (p - f64::from(u8::from(*right)));
-                (0..=CUES).for_each(|d| hessian[(c, d)] += p * (1.0 - p) * x[c] * x[d]);
+        let ridge = RIDGE * points.len() as f64;
+        let mut hessian = Array2::<f64>::eye(size) * ridge;
+        let mut gradient = &found * ridge;
+        for first in (0..points.len()).step_by(BLOCK) {
+            let right = &points[first..(first + BLOCK).min(points.len())];
+            let mut x = Array2::<f64>::ones((right.len(), size));
+            for (i, mut row) in x.rows_mut().into_iter().enumerate() {
+                inputs(first + i, &mut row.as_slice_mut().expect("row-major")[1..]);
             }
+            let p = x.dot(&found).mapv(|odds| 1.0 / (1.0 + (-odds).exp()));
+            let off = Array1::from_shape_fn(right.len(), |i| p[i] - f64::from(u8::from(right[i])));
+            gradient += &x.t().dot(&off);
+            let weighted = &x * &p.mapv(|p| p * (1.0 - p)).insert_axis(Axis(1));
+            hessian += &x.t().dot(&weighted);
         }
-        let Ok(cholesky) = hessian.llt(Side::Lower) else { break };
-        let step = cholesky.solve(&gradient);
-        (0..=CUES).for_each(|c| found[c] -= step[(c, 0)]);
+        let Ok(cholesky) = Mat::from_fn(size, size, |i, j| hessian[(i, j)]).llt(Side::Lower) else { break };
+        let step = cholesky.solve(&Mat::from_fn(size, 1, |i, _| gradient[i]));
+        (0..size).for_each(|i| found[i] -= step[(i, 0)]);
+        if (0..size).all(|i| step[(i, 0)].abs() < 1e-6) {
+            break;
+        }
     }
-    found
+    found.to_vec()
 }
 
 #[cfg(test)]
@@ -117,7 +132,8 @@ mod tests {
             let share = (100.0 * probability(&truth, cues.iter().copied())).round() as usize;
             points.extend((0..100).map(|i| (cues, i < share)));
         }
-        let found = fit(&points);
+        let right: Vec<bool> = points.iter().map(|&(_, right)| right).collect();
+        let found = fit(&right, CUES, |i, row| row.copy_from_slice(&points[i].0));
         for (found, wanted) in found.iter().zip(truth) {
             assert!((found - wanted).abs() < 0.1, "{found} {wanted}");
         }

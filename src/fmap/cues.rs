@@ -2,6 +2,7 @@
 //!
 //! Wrong places come by regions (a hand shifted along its arm, an arm twisted about its axis), and a single point shows little of it: on held-out bodies the
 //! way there and back alone tells right from wrong hardly better than chance. So each sign is averaged over a neighbourhood and over a region.
+//! Where on the body a point lies says as much again (matches slide on a back, and not on a face), and that is what a network's features know.
 
 use ndarray::{Array2, ArrayView2};
 
@@ -18,8 +19,8 @@ const LONGEST: f64 = 1.0;
 const SIGNS: usize = 3;
 /// Part of a person whose probability each cue is, by [`PARTS`] without sides; the torso is what is left.
 const LIMBS: [&str; 7] = ["head", "upper arm", "forearm", "hand", "thigh", "shank", "foot"];
-/// Cues of a point.
-pub(crate) const CUES: usize = STEPS.len() * SIGNS + LIMBS.len();
+/// Cues of a point; the last is [`Matchable::trust`].
+pub(crate) const CUES: usize = STEPS.len() * SIGNS + LIMBS.len() + 1;
 
 /// Cues (p, [`CUES`]) of one direction of a match; those that do not exist are 0.
 #[derive(Clone, Debug)]
@@ -62,6 +63,10 @@ impl Cues {
             }
         }
         let meshes = own.surface.oriented && other.surface.oriented;
+        if let Some(trust) = &own.trust {
+            let kind = trust.column(usize::from(!meshes));
+            table.column_mut(CUES - 1).zip_mut_with(&kind, |cue, &trust| *cue = f64::from(trust));
+        }
         Self { table, laid: laid.is_some(), meshes, parts: own.parts.is_some() }
     }
 }

@@ -16,6 +16,8 @@ pub struct Matchable {
     pub features: Array2<f32>,
     /// Probability of each of [`crate::PARTS`] (p, 14), where a network was asked.
     pub parts: Option<Array2<f32>>,
+    /// How far the place of a point on the body speaks for its match (p, 2), in log-odds beside other cues: between meshes, and where one is a cloud.
+    pub trust: Option<Array2<f32>>,
     /// Rows of an even sampling, coarsest first: every prefix is a sampling too.
     pub coarse: Vec<u32>,
     /// The surface around that sampling.

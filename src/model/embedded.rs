@@ -2,11 +2,15 @@
 
 use std::sync::OnceLock;
 
-use ndarray::Array2;
+use ndarray::{Array2, s};
 
 use super::{Network, Weights, WeightsError};
 use crate::device::{Cpu, Device};
 use crate::features::ShapeInputs;
+
+/// Name of the tensor (f + 1, 2) that makes [`Model::trust`] from features and, in its last row, a constant. It is fitted beside the constants of
+/// confidence (`src/evaluate/refit.rs`), not trained, and is good for the features of one training only: therefore it travels with the weights.
+pub(crate) const TRUST: &str = "trust";
 
 /// A network's weights with the network built from them, on the device that it runs on.
 #[derive(Debug)]
@@ -66,6 +70,15 @@ impl<D: Device> Model<D> {
     /// The same on the CPU, for when the device has failed.
     pub(crate) fn on_cpu(&self) -> Model {
         Model::new(self.weights.clone()).expect("weights that fitted on one device fit on another")
+    }
+
+    /// How far the place of each point on the body speaks for its match (p, 2), as [`Matchable::trust`](crate::fmap::Matchable::trust) has it; nothing where the weights
+    /// bring no such constants or are of other features.
+    pub(crate) fn trust(&self, embedding: &PointEmbedding) -> Option<Array2<f32>> {
+        let trust = self.weights.tensor(TRUST)?;
+        let (last, f) = (trust.nrows().checked_sub(1)?, embedding.features.ncols());
+        (last == f && trust.ncols() == 2)
+            .then(|| embedding.features.dot(&trust.slice(s![..last, ..])) + trust.slice(s![last.., ..]))
     }
 
     /// The forward pass for one shape.

@@ -106,6 +106,18 @@ impl Weights {
         serialize(views, Some(header)).map_err(|error| WeightsError(error.to_string()))
     }
 
+    /// The tensor of this name, if there is one.
+    pub(crate) fn tensor(&self, name: &str) -> Option<ArrayView2<'_, f32>> {
+        self.tensors.get(name).map(|tensor| tensor.view())
+    }
+
+    /// With one tensor more, or another one of its name.
+    #[cfg(feature = "train")]
+    pub(crate) fn with(mut self, name: &str, tensor: Array2<f32>) -> Self {
+        self.tensors.insert(name.to_owned(), tensor);
+        self
+    }
+
     /// Tensors by name.
     pub fn tensors(&self) -> impl Iterator<Item = (&str, ArrayView2<'_, f32>)> {
         self.tensors.iter().map(|(name, matrix)| (name.as_str(), matrix.view()))

@@ -25,6 +25,13 @@ pub const PARTS: [&str; 14] = [
     "right foot",
 ];
 
+/// The paper's C = 8, as it may have meant it: an arm with its hand and a shank with its foot are one.
+pub const GROUPS: [&str; 8] =
+    ["head", "torso", "left arm", "right arm", "left thigh", "right thigh", "left shank", "right shank"];
+
+/// The group, an index into [`GROUPS`], of each of [`PARTS`].
+pub const GROUP_OF_PART: [u8; 14] = [0, 1, 2, 3, 2, 3, 2, 3, 4, 5, 6, 7, 6, 7];
+
 /// Parts that meet on a person, besides each with itself.
 const MEETING: [[usize; 2]; 13] =
     [[0, 1], [1, 2], [1, 3], [1, 8], [1, 9], [2, 4], [3, 5], [4, 6], [5, 7], [8, 10], [9, 11], [10, 12], [11, 13]];
@@ -40,12 +47,26 @@ pub(crate) fn meeting(p: ArrayView1<f32>, q: ArrayView1<f32>) -> f32 {
 mod tests {
     use ndarray::{Array1, array};
 
-    use super::{MEETING, PARTS, meeting};
+    use super::{GROUP_OF_PART, GROUPS, MEETING, PARTS, meeting};
 
     fn certain(part: usize) -> Array1<f32> {
         let mut row = Array1::zeros(PARTS.len());
         row[part] = 1.0;
         row
+    }
+
+    #[test]
+    fn a_group_has_its_parts_side_and_its_limb() {
+        let limb = |name: &str| match name.rsplit(' ').next() {
+            Some("forearm" | "hand") => "arm".to_owned(),
+            Some("foot") => "shank".to_owned(),
+            last => last.unwrap_or_default().to_owned(),
+        };
+        let side = |name: &str| name.split_once(' ').map(|(side, _)| side.to_owned());
+        for (part, group) in PARTS.iter().zip(GROUP_OF_PART) {
+            let group = GROUPS[usize::from(group)];
+            assert_eq!((side(part), limb(part)), (side(group), limb(group)), "{part} {group}");
+        }
     }
 
     #[test]
