@@ -9,9 +9,9 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use geose_fmap::{
-    BlockError, Correspondence, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, PARTS, Parts,
-    PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
-    prepare, read,
+    BlockError, Correspondence, EdgeDistances, Error, FaceUse, GROUP_OF_PART, GROUPS, LaplacianKind, Match,
+    MatchOptions, PARTS, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage,
+    UNMATCHED, match_shapes, mean_error, prepare, read,
 };
 use safetensors::SafeTensors;
 use shapes::{
@@ -208,7 +208,9 @@ fn parts_in_a_block_are_as_given_or_else_the_likeliest_for_the_network() {
     for labels in [None, Some((0..163).map(|i| 1000 * i).collect())] {
         numbered.shape =
             Shape::new(SMALL.shape.points().to_vec(), SMALL.shape.faces().to_vec(), labels).expect("valid");
-        assert_eq!(parts_of(&numbered), serde_json::json!({ "names": PARTS, "source": "predicted" }));
+        let groups = serde_json::json!({ "names": GROUPS, "of": GROUP_OF_PART });
+        let predicted = serde_json::json!({ "names": PARTS, "source": "predicted", "groups": groups });
+        assert_eq!(parts_of(&numbered), predicted);
     }
 }
 

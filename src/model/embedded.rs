@@ -89,3 +89,23 @@ impl<D: Device> Model<D> {
         PointEmbedding { features: device.download(&embedding.features).await, parts: device.download(&parts).await }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+
+    use super::{Model, PointEmbedding};
+
+    #[test]
+    fn the_weights_that_ship_say_how_far_a_place_is_to_be_trusted_and_only_by_their_own_features() {
+        let of = |f: usize, value: f32| {
+            let features = Array2::from_elem((3, f), value);
+            Model::embedded().trust(&PointEmbedding { features, parts: Array2::zeros((3, 14)) })
+        };
+        let f = Model::embedded().weights().config.features;
+        let (none, some) = (of(f, 0.0).expect("trust"), of(f, 1.0).expect("trust"));
+        assert_eq!(none.dim(), (3, 2));
+        assert!(none.iter().zip(&some).all(|(none, some)| none.is_finite() && none != some), "{none} {some}");
+        assert_eq!(of(f - 1, 0.0), None);
+    }
+}
