@@ -97,6 +97,7 @@ fn losses_have_the_gradients_that_differences_find() {
         bijectivity: 0.0,
         orthogonality: 0.0,
         coupling: 0.0,
+        places: 0.0,
         semantic: 0.0,
         eigen: 0.0,
         features_orthogonal: 0.0,
@@ -108,6 +109,7 @@ fn losses_have_the_gradients_that_differences_find() {
         ("bijectivity", LossWeights { bijectivity: 1.0, ..none.clone() }),
         ("orthogonality", LossWeights { orthogonality: 1.0, ..none.clone() }),
         ("coupling", LossWeights { coupling: 1.0, ..none.clone() }),
+        ("places", LossWeights { places: 1.0, ..none.clone() }),
         ("semantic", LossWeights { semantic: 1.0, ..none.clone() }),
         ("eigen", LossWeights { eigen: 1.0, ..none.clone() }),
         ("features_orthogonal", LossWeights { features_orthogonal: 1.0, ..none }),
@@ -118,6 +120,8 @@ fn losses_have_the_gradients_that_differences_find() {
     let projector = [0, 1].map(|i: usize| phi[i].affine(0.1, 0.0).unwrap());
     let labels = |n: usize| (0..n).map(|i| (i % 3) as u32).collect::<Vec<u32>>();
     let labels = [n, m].map(|n| tensor(one_hot(&labels(n), 3).view()));
+    // On a path of the atlas, a hundredth of √area apart; the last of A is far from all of B.
+    let places = [n, m].map(|n| Array2::from_shape_fn((n, 3), |(i, _)| if i == 8 { 9.0 } else { 0.01 * i as f32 }));
     for (name, weights) in single {
         let of_features = weights.parts == 0.0;
         let inputs =
@@ -132,6 +136,7 @@ fn losses_have_the_gradients_that_differences_find() {
                 phi: &phi[i],
                 projector: &projector[i],
                 lambda: &lambda,
+                places: Some(&places[i]),
             });
             let terms = losses(&weights, &a, &b, true).unwrap();
             assert_eq!(terms.len(), 1, "{name} alone");

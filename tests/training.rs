@@ -6,14 +6,15 @@ mod shapes;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use geose_fmap::train::atlas::Atlas;
 use geose_fmap::train::folds::{Fold, cross_validate};
 use geose_fmap::train::losses::LossWeights;
 use geose_fmap::train::pool::{Pool, SampleConfig};
 use geose_fmap::train::run::{RunConfig, train};
 use geose_fmap::train::sample::Sample;
-use geose_fmap::{Model, ModelConfig, Shape, Weights};
+use geose_fmap::{Model, ModelConfig, PrepareOptions, Progress, Shape, Weights, prepare};
 use ndarray::Axis;
-use shapes::{Random, body};
+use shapes::{Random, Soup, body};
 
 fn network() -> ModelConfig {
     ModelConfig {
@@ -59,7 +60,7 @@ fn folder(name: &str) -> PathBuf {
 fn pool(name: &str) -> Pool {
     let folder = folder(name);
     for (index, name) in ["woman-standing.ply", "man-lunging.ply"].iter().enumerate() {
-        let sample = Sample::new(scan(name, in_order), None, &samples()).expect("a sample");
+        let sample = Sample::new(scan(name, in_order), None, None, &samples()).expect("a sample");
         sample.save(&folder.join(format!("{index:06}.sample"))).expect("saved");
     }
     Pool::open(&folder, 2, &samples()).expect("opened")
@@ -110,8 +111,8 @@ fn a_budget_in_minutes_ends_a_run() {
 #[test]
 fn the_loader_knows_parts_and_no_vertices() {
     let shuffled = |n: usize| Random(5).permutation(n);
-    let plain = Sample::new(scan("man-lunging.ply", in_order), None, &samples()).expect("a sample");
-    let mixed = Sample::new(scan("man-lunging.ply", shuffled), None, &samples()).expect("a sample");
+    let plain = Sample::new(scan("man-lunging.ply", in_order), None, None, &samples()).expect("a sample");
+    let mixed = Sample::new(scan("man-lunging.ply", shuffled), None, None, &samples()).expect("a sample");
     let order: Vec<usize> = shuffled(plain.labels.len()).iter().map(|&i| i as usize).collect();
     assert_eq!(mixed.labels, order.iter().map(|&i| plain.labels[i]).collect::<Vec<_>>());
     assert!(plain.labels.iter().all(|&label| label < 14));
@@ -131,15 +132,52 @@ fn the_loader_knows_parts_and_no_vertices() {
     same("gradients", &(a / largest), &(b / largest));
 }
 
+/// Places are what the method finds by labels, and come with their points in any order: nothing but the mesh of the body and its labels goes in.
+#[test]
+fn places_are_found_by_part_labels() {
+    let teacher = || Model::new(Model::embedded().weights().clone()).expect("a model");
+    let atlas = Atlas::new(body("woman-standing.ply"), teacher()).expect("an atlas");
+    let man = body("man-lunging.ply");
+    let places = atlas.places(man.clone()).expect("places");
+    // All samples share the vertices of one template, which neither side is told.
+    let neutral = body("woman-standing.ply");
+    let scale = prepare(neutral.clone(), None, &PrepareOptions::default(), &mut Progress::silent())
+        .expect("prepared")
+        .info
+        .scale;
+    let off = |(place, truth): (&[f32; 3], &[f64; 3])| {
+        (0..3).map(|c| (f64::from(place[c]) - truth[c] / scale).powi(2)).sum::<f64>().sqrt()
+    };
+    let mean = places.iter().zip(neutral.points()).map(off).sum::<f64>() / places.len() as f64;
+    assert!(mean < 0.03, "{mean}");
+
+    let order = Random(5).permutation(man.points().len());
+    let soup = Soup { points: man.points().to_vec(), faces: man.faces().to_vec() }.renumbered(&order);
+    let mut labels = vec![0; order.len()];
+    order.iter().zip(man.labels().expect("labels")).for_each(|(&new, &label)| labels[new as usize] = label);
+    let again = atlas.places(Shape::new(soup.points, soup.faces, Some(labels)).expect("a mesh")).expect("places");
+    let moved = |(&new, place): (&u32, &[f32; 3])| {
+        (0..3).map(|c| (again[new as usize][c] - place[c]).powi(2)).sum::<f32>().sqrt()
+    };
+    let apart = order.iter().zip(&places).map(moved).sum::<f32>() / places.len() as f32;
+    assert!(apart < 0.005, "{apart}");
+    assert!(atlas.places(Shape::new(man.points().to_vec(), man.faces().to_vec(), None).expect("a mesh")).is_err());
+}
+
 #[test]
 fn a_sample_comes_back_from_its_file_in_half_precision() {
     let folder = folder("sample");
-    let sample = Sample::new(scan("woman-standing.ply", in_order), None, &samples()).expect("a sample");
+    let places: Vec<[f32; 3]> =
+        scan("woman-standing.ply", in_order).points().iter().map(|p| p.map(|x| x as f32)).collect();
+    let sample = Sample::new(scan("woman-standing.ply", in_order), Some(&places), None, &samples()).expect("a sample");
+    assert!(sample.places.is_some());
     let path = folder.join("one.sample");
     sample.save(&path).expect("saved");
     let again = Sample::load(&path).expect("loaded");
     assert_eq!(again.labels, sample.labels);
+    let (placed, placed_again) = (sample.places.as_ref().expect("places"), again.places.as_ref().expect("places"));
     for (a, b) in [
+        (placed_again, placed),
         (&again.inputs.phi, &sample.inputs.phi),
         (&again.inputs.projector, &sample.inputs.projector),
         (&again.inputs.moments, &sample.inputs.moments),

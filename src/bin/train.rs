@@ -11,12 +11,15 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::{fs, thread};
 
 use clap::Parser;
+use geose_fmap::train::atlas::Atlas;
 use geose_fmap::train::bodies::BodyModel;
+use geose_fmap::train::bodies::pose::Pose;
+use geose_fmap::train::bodies::shape_mixture::Person;
 use geose_fmap::train::folds::cross_validate;
 use geose_fmap::train::losses::LossWeights;
-use geose_fmap::train::pool::{Maker, Pool, SampleConfig};
+use geose_fmap::train::pool::{ATLAS_POINTS, Maker, Pool, SampleConfig};
 use geose_fmap::train::run::{RunConfig, train};
-use geose_fmap::{LaplacianKind, ModelConfig, Weights};
+use geose_fmap::{LaplacianKind, Model, ModelConfig, Weights};
 
 #[derive(Parser)]
 #[command(about = "Trains the network on synthetic bodies")]
@@ -54,6 +57,9 @@ struct Arguments {
     /// Weights to start from.
     #[arg(long)]
     start: Option<PathBuf>,
+    /// Weights that place points on a common body by given part labels, to learn from beside the labels.
+    #[arg(long)]
+    teacher: Option<PathBuf>,
     /// The operator of every cloud, for comparisons: geodesic, geodesic-literal or euclidean. By default that of matching on most, others on some.
     #[arg(long)]
     laplacian: Option<LaplacianKind>,
@@ -115,14 +121,26 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
         false => (ModelConfig::shipped(), RunConfig::default()),
     };
     let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);
-    let start = arguments.start.as_ref().map(fs::read).transpose()?;
-    let start = start.map(|bytes| Weights::from_bytes(&bytes)).transpose()?;
-    let samples = SampleConfig { laplacian: arguments.laplacian, ..SampleConfig::of(&network, arguments.points) };
+    let weights = |path: &Option<PathBuf>| -> Result<Option<Weights>, Box<dyn std::error::Error>> {
+        let bytes = path.as_ref().map(fs::read).transpose()?;
+        Ok(bytes.map(|bytes| Weights::from_bytes(&bytes)).transpose()?)
+    };
+    let (start, teacher) = (weights(&arguments.start)?, weights(&arguments.teacher)?);
+    let samples = SampleConfig {
+        laplacian: arguments.laplacian,
+        teacher: teacher.as_ref().map(Weights::named),
+        ..SampleConfig::of(&network, arguments.points)
+    };
     let pool = Pool::open(&arguments.samples, arguments.bodies, &samples)?;
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let model = BodyModel::load(&arguments.data)?;
     let template = model.template(5000)?;
-    let maker = Maker { model: &model, template: &template, config: &samples };
+    let atlas = teacher.map(|teacher| -> Result<Atlas, Box<dyn std::error::Error>> {
+        let (neutral, _) = model.clean_scan(&model.body(&Person::default(), &Pose::default())?, ATLAS_POINTS)?;
+        Ok(Atlas::new(neutral, Model::new(teacher)?)?)
+    });
+    let atlas = atlas.transpose()?;
+    let maker = Maker { model: &model, template: &template, atlas: atlas.as_ref(), config: &samples };
     thread::scope(|scope| {
         for _ in 0..arguments.makers {
             scope.spawn(|| pool.fill(&maker, &next, &stop));

@@ -21,13 +21,15 @@ pub struct LossWeights {
     pub orthogonality: f64,
     /// ‖C − Φ⁺ΠΦ‖² between the functional map and the soft point map.
     pub coupling: f64,
+    /// Cross-entropy of the soft point map where samples have places.
+    pub places: f64,
     /// L_sem (paper Sec. 3.4.2).
     pub semantic: f64,
     /// L_geo (paper Sec. 3.4.1).
     pub eigen: f64,
     /// L_orth (paper Sec. 3.4.1).
     pub features_orthogonal: f64,
-    /// Temperature of the soft point map in the coupling.
+    /// Temperature of the soft point map in the coupling and for places.
     pub temperature: f64,
     /// Temperature in L_sem.
     pub semantic_temperature: f64,
@@ -41,6 +43,7 @@ impl Default for LossWeights {
             bijectivity: 1.0,
             orthogonality: 1.0,
             coupling: 1.0,
+            places: 1.0,
             semantic: 0.5,
             eigen: 0.0,
             features_orthogonal: 0.0,
@@ -58,6 +61,7 @@ impl LossWeights {
             bijectivity: 0.0,
             orthogonality: 0.0,
             coupling: 0.0,
+            places: 0.0,
             semantic: 0.5,
             eigen: 1.0,
             features_orthogonal: 50.0,
@@ -81,6 +85,8 @@ pub struct Side<'a> {
     pub projector: &'a Tensor,
     /// λ (k).
     pub lambda: &'a [f64],
+    /// Places on the atlas (n, 3), in √area.
+    pub places: Option<&'a Array2<f32>>,
 }
 
 /// A loss by name, before its weight.
@@ -107,6 +113,12 @@ pub fn losses(weights: &LossWeights, a: &Side, b: &Side, maps: bool) -> Result<T
         };
         let both = (semantic(&to_a, b.labels, a.labels)? + semantic(&to_b, a.labels, b.labels)?)?;
         terms.push(("semantic", weights.semantic, both.affine(0.5, 0.0)?));
+    }
+    if let (true, Some(on_a), Some(on_b)) = (weights.places > 0.0, a.places, b.places) {
+        let sharp = scores.affine(1.0 / weights.temperature, 0.0)?;
+        let to_a = cross_entropy(&sharp, &tensor(nearby(on_b, on_a).view()))?;
+        let to_b = cross_entropy(&sharp.t()?.contiguous()?, &tensor(nearby(on_a, on_b).view()))?;
+        terms.push(("places", weights.places, (to_a + to_b)?.affine(0.5, 0.0)?));
     }
     if weights.eigen > 0.0 {
         terms.push(("eigen", weights.eigen, (eigen(a)? + eigen(b)?)?.affine(0.5, 0.0)?));
@@ -149,13 +161,31 @@ pub fn functional_maps(a: &Side, b: &Side) -> Result<[Tensor; 2]> {
     Ok(crate::fmap::functional_maps(&Autodiff, [&project(a)?, &project(b)?], [a.lambda, b.lambda]))
 }
 
-/// Mean of −ln p at the right part.
+/// Mean of −Σ y ln p over the rows of `labels`, which are one-hot, shares that sum to 1, or nothing where nothing is known.
 pub fn cross_entropy(logits: &Tensor, labels: &Tensor) -> Result<Tensor> {
     let most = logits.max_keepdim(D::Minus1)?.detach();
     let shifted = logits.broadcast_sub(&most)?;
     let total = shifted.exp()?.sum_keepdim(D::Minus1)?.log()?;
     let chosen = (shifted * labels)?.sum_keepdim(D::Minus1)?;
-    (total - chosen)?.mean_all()
+    ((total * labels.sum_keepdim(D::Minus1)?)? - chosen)?.mean_all()
+}
+
+/// How wide a place is, in √area: twice as far as places are off on average.
+const BLUR: f32 = 0.03;
+
+/// Where on the atlas row i of `from` and row j of `to` lie near each other: shares of a Gaussian as wide as [`BLUR`], rows summing to 1, or of nothing where
+/// all of `to` is far, as where a piece is missing.
+fn nearby(from: &Array2<f32>, to: &Array2<f32>) -> Array2<f32> {
+    let mut shares = Array2::from_shape_fn((from.nrows(), to.nrows()), |(i, j)| {
+        let apart: f32 = (0..3).map(|axis| (from[(i, axis)] - to[(j, axis)]).powi(2)).sum();
+        (-apart / (2.0 * BLUR * BLUR)).exp()
+    });
+    for mut row in shares.rows_mut() {
+        let sum = row.sum();
+        // One point three widths away.
+        if sum > 0.01 { row /= sum } else { row.fill(0.0) }
+    }
+    shares
 }
 
 /// L_sem: how much of each row's soft match goes to points of other parts. `soft` (n, m) has a row per point that is matched; the paper's C is this with

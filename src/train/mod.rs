@@ -1,5 +1,6 @@
 //! What trains and illustrates the product; native only, never in the wasm module.
 
+pub mod atlas;
 pub mod bodies;
 pub mod device;
 pub mod folds;

@@ -10,12 +10,16 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use super::atlas::Atlas;
 use super::bodies::held_out::HELD_OUT_SEEDS;
 use super::bodies::scan::ScanOptions;
 use super::bodies::{BodyModel, Template};
 use super::sample::Sample;
 use crate::model::{ModelConfig, Position};
 use crate::operators::LaplacianKind;
+
+/// Vertices of the meshes that are matched to the atlas.
+pub const ATLAS_POINTS: usize = 4000;
 
 /// A folder of samples, `count` of them, being filled from the front.
 pub struct Pool {
@@ -35,12 +39,15 @@ pub struct SampleConfig {
     pub position: Position,
     /// The operator of every cloud; by default that of matching on most, others on some.
     pub laplacian: Option<LaplacianKind>,
+    /// Name and version of the weights that place points on the atlas, if any do.
+    #[serde(default)]
+    pub teacher: Option<serde_json::Value>,
 }
 
 impl SampleConfig {
-    /// For a network, with the operators that ship.
+    /// For a network, with the operators that ship and no teacher.
     pub fn of(network: &ModelConfig, points: usize) -> Self {
-        Self { points, eigenpairs: network.eigenpairs, position: network.position, laplacian: None }
+        Self { points, eigenpairs: network.eigenpairs, position: network.position, laplacian: None, teacher: None }
     }
 }
 
@@ -50,6 +57,8 @@ pub struct Maker<'a> {
     pub model: &'a BodyModel,
     /// Its mesh.
     pub template: &'a Template,
+    /// Where points are placed, if they are.
+    pub atlas: Option<&'a Atlas>,
     /// How.
     pub config: &'a SampleConfig,
 }
@@ -125,7 +134,9 @@ impl Maker<'_> {
         // Different numbers of points, independently for the two shapes of a pair.
         let points = (self.config.points as f64 * (0.75 + 0.5 * rng.random::<f64>())) as usize;
         let options = ScanOptions { points, ..ScanOptions::default() };
-        let (scan, _) = self.model.scan(self.template, seed, &options).map_err(|error| error.to_string())?;
+        // Of the truth nothing but the surface behind each point, to find the place of that surface.
+        let (scan, behind) = self.model.scan(self.template, seed, &options).map_err(|error| error.to_string())?;
+        let places = self.atlas.map(|atlas| self.places(atlas, seed, &behind.skin)).transpose()?;
         let kind = match rng.random::<f64>() {
             _ if !scan.shape.faces().is_empty() => None,
             _ if self.config.laplacian.is_some() => self.config.laplacian,
@@ -133,6 +144,14 @@ impl Maker<'_> {
             x if x < 0.2 => Some(LaplacianKind::GeodesicLiteral),
             _ => None,
         };
-        Sample::new(scan.shape, kind, self.config).map_err(|error| error.to_string())
+        Sample::new(scan.shape, places.as_deref(), kind, self.config).map_err(|error| error.to_string())
+    }
+
+    /// Where a clean mesh of the body of a seed says that some vertices of its fine skin lie on the atlas.
+    fn places(&self, atlas: &Atlas, seed: u64, skin: &[u32]) -> Result<Vec<[f32; 3]>, String> {
+        let body = self.model.random_body(self.template, seed).map_err(|error| error.to_string())?;
+        let (mesh, cell) = self.model.clean_scan(&body.skin, ATLAS_POINTS).map_err(|error| error.to_string())?;
+        let places = atlas.places(mesh).map_err(|error| error.to_string())?;
+        Ok(skin.iter().map(|&v| places[cell[v as usize] as usize]).collect())
     }
 }

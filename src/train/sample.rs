@@ -1,4 +1,5 @@
-//! One synthetic scan as training sees it: what the network is given, and part labels. Which body point a point is does not come along.
+//! One synthetic scan as training sees it: what the network is given, part labels, and where a teacher put its points by these. Which body point a point is does
+//! not come along.
 
 use std::fs;
 use std::io;
@@ -24,11 +25,19 @@ pub struct Sample {
     pub inputs: ShapeInputs,
     /// Part of each point, an index into [`crate::PARTS`].
     pub labels: Vec<u32>,
+    /// Where a teacher says that each point lies on the atlas (n, 3), in √area; see [`super::atlas`].
+    pub places: Option<Array2<f32>>,
 }
 
 impl Sample {
-    /// Builds the operators that a scan with given labels would get. Points without surface keep no label, and so are left out.
-    pub fn new(shape: Shape, kind: Option<LaplacianKind>, config: &SampleConfig) -> Result<Self, Error> {
+    /// Builds the operators that a scan with given labels would get. Points without surface keep no label, and so are left out. `places` are those of the
+    /// scan's points, where there is a teacher.
+    pub fn new(
+        shape: Shape,
+        places: Option<&[[f32; 3]]>,
+        kind: Option<LaplacianKind>,
+        config: &SampleConfig,
+    ) -> Result<Self, Error> {
         let options = PrepareOptions {
             laplacian: kind,
             eigenpairs: config.eigenpairs,
@@ -38,16 +47,18 @@ impl Sample {
         let mut progress = Progress::silent();
         let (prepared, operator_shape, _) = prepare_with_shape(shape, None, &options, &mut progress)?;
         let labels = prepared.shape.labels().unwrap_or_default();
-        let labels = (0..prepared.points_used()).map(|row| labels[prepared.support.uploaded(row)]).collect();
+        let used: Vec<usize> = (0..prepared.points_used()).map(|row| prepared.support.uploaded(row)).collect();
+        let labels = used.iter().map(|&i| labels[i]).collect();
+        let places = places.map(|at| Array2::from_shape_fn((used.len(), 3), |(row, axis)| at[used[row]][axis]));
         let inputs = ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, &mut progress)
             .map_err(crate::operators::OperatorError::from)?;
-        Ok(Self { inputs, labels })
+        Ok(Self { inputs, labels, places })
     }
 
     /// Writes it as safetensors with f16 values, so that thousands fit on a disk.
     pub fn save(&self, path: &Path) -> io::Result<()> {
         let inputs = &self.inputs;
-        let matrices = [
+        let mut matrices = vec![
             ("channels", &inputs.channels),
             ("points", &inputs.points),
             ("moments", &inputs.moments),
@@ -57,6 +68,7 @@ impl Sample {
             ("across", &inputs.gradients[1]),
             ("lambda", &inputs.lambda),
         ];
+        matrices.extend(self.places.as_ref().map(|places| ("places", places)));
         // f16 has five bits of exponent: masses of single points would be subnormal in it.
         let scale = |name: &str| if matches!(name, "moments" | "projector") { inputs.len() as f32 } else { 1.0 };
         let mut bytes: Vec<(&str, Vec<usize>, Vec<u8>)> = matrices
@@ -103,6 +115,7 @@ impl Sample {
                 lambda: read("lambda")?,
             },
             labels,
+            places: file.names().contains(&"places").then(|| read("places")).transpose()?,
         })
     }
 }

@@ -1,6 +1,7 @@
 //! The loss of one pair: the forward pass of matching, then every loss that counts.
 
 use candle_core::Tensor;
+use ndarray::Array2;
 use rand::seq::index::sample as sample_rows;
 use rand_chacha::ChaCha8Rng;
 
@@ -24,6 +25,7 @@ pub struct Forward {
     phi: [Tensor; 2],
     projector: [Tensor; 2],
     lambda: [Vec<f64>; 2],
+    places: [Option<Array2<f32>>; 2],
 }
 
 impl Forward {
@@ -51,6 +53,7 @@ impl Forward {
             phi: [0, 1].map(|side: usize| device.leading_columns(&on[side].phi, k)),
             projector: [0, 1].map(|side: usize| device.leading_columns(&on[side].projector, k)),
             lambda: pair.map(|sample| sample.inputs.lambda.column(0).iter().take(k).map(|&l| f64::from(l)).collect()),
+            places: pair.map(|sample| sample.places.clone()),
         })
     }
 
@@ -62,6 +65,7 @@ impl Forward {
             phi: &self.phi[side],
             projector: &self.projector[side],
             lambda: &self.lambda[side],
+            places: self.places[side].as_ref(),
         }
     }
 

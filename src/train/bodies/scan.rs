@@ -105,6 +105,14 @@ impl BodyModel {
         Ok((Scan { shape }, Truth { skin: vertices }))
     }
 
+    /// A mesh of `points` evenly spread vertices of a body's fine skin (metres) with part labels, and for each vertex of that skin the one that stands for it.
+    pub fn clean_scan(&self, skin: &[DVec3], points: usize) -> Result<(Shape, Vec<u32>), DataError> {
+        let mesh = even_mesh(skin, &self.skin.triangles, points, &mut ChaCha8Rng::seed_from_u64(0));
+        let labels = mesh.vertices.iter().map(|&v| self.labels[v as usize]).collect();
+        let points = mesh.vertices.iter().map(|&v| skin[v as usize].to_array()).collect();
+        Ok((Shape::new(points, mesh.faces, Some(labels))?, mesh.cell))
+    }
+
     /// Moves the skin outwards where something loose is worn: up to 3 cm, smoothly, in folds a hand wide.
     fn dress(&self, skin: &mut [DVec3], rng: &mut ChaCha8Rng) {
         let worn = pick::<&[u32]>(
