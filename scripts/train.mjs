@@ -1,4 +1,5 @@
-// Trains weights of the kind that ship: `npm run train` → runs/bodies. Options go on to the trainer: `npm run train -- --minutes 60`.
+// Trains weights of the kind that ship, in two steps; options go on to the trainer. `npm run train` learns from part labels → runs/bodies, and
+// `npm run train -- --teacher runs/bodies/weights.safetensors` goes on from there and learns from places, too → runs/taught.
 import { existsSync, mkdirSync, readdirSync } from 'node:fs';
 import path from 'node:path';
 import { Failure, environment, main, root, run, say, which } from './run.mjs';
@@ -36,6 +37,7 @@ export function runTrainer(program, args) {
 }
 
 await main(import.meta, (args) => {
-  const places = ['--out', path.join(root, 'runs/bodies'), '--samples', path.join(root, 'runs/samples')];
-  runTrainer('train', ['--data', bodyData(), ...places, ...args]);
+  const [out, samples] = args.some((arg) => arg.startsWith('--teacher')) ? ['taught', 'placed'] : ['bodies', 'samples'];
+  const folders = ['--out', path.join(root, 'runs', out), '--samples', path.join(root, 'runs', samples)];
+  runTrainer('train', ['--data', bodyData(), ...folders, ...args]);
 });

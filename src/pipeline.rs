@@ -378,7 +378,8 @@ async fn best_maps<D: Device>(
         candidates.push((&without, maps, None, serde_json::Value::Null));
     }
 
-    // Whatever made it, a map between two poses of one body keeps lengths.
+    // Whatever made it, a map between two poses of one body keeps lengths. So does its mirror image: which of the two it is the features alone can say, and a
+    // mirrored start is no candidate.
     let mut best: Option<(f64, Refined, usize)> = None;
     for (index, (sides, maps, extra, _)) in candidates.iter().enumerate() {
         let ([side_a, side_b], first, extra) = (sides, maps.clone(), extra.as_ref());

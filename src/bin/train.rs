@@ -54,7 +54,7 @@ struct Arguments {
     /// A JSON object with fields of the network's configuration that differ.
     #[arg(long, default_value = "{}")]
     network: String,
-    /// Weights to start from.
+    /// Weights to start from; by default those of the teacher, if there is one.
     #[arg(long)]
     start: Option<PathBuf>,
     /// Weights that place points on a common body by given part labels, to learn from beside the labels.
@@ -121,11 +121,12 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
         false => (ModelConfig::shipped(), RunConfig::default()),
     };
     let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);
-    let weights = |path: &Option<PathBuf>| -> Result<Option<Weights>, Box<dyn std::error::Error>> {
-        let bytes = path.as_ref().map(fs::read).transpose()?;
+    let weights = |path: Option<&PathBuf>| -> Result<Option<Weights>, Box<dyn std::error::Error>> {
+        let bytes = path.map(fs::read).transpose()?;
         Ok(bytes.map(|bytes| Weights::from_bytes(&bytes)).transpose()?)
     };
-    let (start, teacher) = (weights(&arguments.start)?, weights(&arguments.teacher)?);
+    let (start, teacher) =
+        (weights(arguments.start.as_ref().or(arguments.teacher.as_ref()))?, weights(arguments.teacher.as_ref())?);
     let samples = SampleConfig {
         laplacian: arguments.laplacian,
         teacher: teacher.as_ref().map(Weights::named),

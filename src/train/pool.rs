@@ -86,13 +86,13 @@ impl Pool {
     /// Sample `index`; waits until it was made.
     pub fn get(&self, index: usize) -> io::Result<Sample> {
         let path = self.path(index);
-        for _ in 0..6000 {
+        for _ in 0..36_000 {
             if path.exists() {
                 return Sample::load(&path);
             }
             thread::sleep(Duration::from_millis(50));
         }
-        Err(io::Error::new(io::ErrorKind::TimedOut, format!("{} was not made within five minutes", path.display())))
+        Err(io::Error::new(io::ErrorKind::TimedOut, format!("{} was not made within half an hour", path.display())))
     }
 
     /// Makes what is missing, in order, on the threads that call; `next` is where they agree on who makes what.
