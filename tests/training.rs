@@ -105,6 +105,20 @@ fn a_budget_in_minutes_ends_a_run() {
     assert!(folder.join("weights.safetensors").exists());
 }
 
+#[test]
+fn a_budget_in_minutes_begins_anew() {
+    let pool = pool("anew");
+    let folder = folder("anew-out");
+    let steps = || weights(&folder).about["steps"].parse::<usize>().expect("a number");
+    let run = RunConfig { steps: 20, ..RunConfig::default() };
+    assert!(train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained"));
+    assert_eq!(steps(), 20);
+    // Over before its first step, or soon after.
+    let run = RunConfig { minutes: Some(1e-9), ..run };
+    assert!(train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained"));
+    assert!(steps() < 20, "{}", steps());
+}
+
 /// Labels are all that says what a point is: in another order of the points the same numbers come in that order, so that no place in a list and no
 /// hidden channel can say which body point a point is.
 #[test]

@@ -149,21 +149,26 @@ pub fn train(
     fs::create_dir_all(folder)?;
     let state = folder.join("state.safetensors");
     let rng = ChaCha8Rng::seed_from_u64(run.seed);
-    let mut parameters = match (fs::read(&state), start) {
-        (Ok(bytes), _) => {
+    let saved = match fs::read(&state) {
+        _ if run.minutes.is_some() => None,
+        Ok(bytes) => Some(bytes),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error.into()),
+    };
+    let mut parameters = match (saved, start) {
+        (Some(bytes), _) => {
             let resumed = Weights::from_bytes(&bytes)?;
             if resumed.config != *config {
                 return Err(WeightsError(format!("{} is of another network", state.display())).into());
             }
             Parameters::from_weights(&resumed, rng)
         }
-        (Err(error), _) if error.kind() != io::ErrorKind::NotFound => return Err(error.into()),
-        (Err(_), Some(weights)) => {
+        (None, Some(weights)) => {
             let mut begun = Parameters::from_weights(weights, rng);
             begun.steps = 0;
             begun
         }
-        (Err(_), None) => Parameters::new(rng),
+        (None, None) => Parameters::new(rng),
     };
     let network = Network::new(config, &mut parameters)?;
     println!("{} parameters, at step {} of {}", parameters.count(), parameters.steps, run.steps);
