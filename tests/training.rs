@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use geose_fmap::train::folds::{Fold, cross_validate};
 use geose_fmap::train::losses::LossWeights;
 use geose_fmap::train::pool::{Pool, SampleConfig};
-use geose_fmap::train::run::{RunConfig, train};
+use geose_fmap::train::run::{RunConfig, RunError, train};
 use geose_fmap::train::sample::Sample;
 use geose_fmap::{Model, ModelConfig, Shape, Weights};
 use ndarray::Axis;
@@ -55,14 +55,19 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Two people as training finds them on disk.
-fn pool(name: &str) -> Pool {
+/// Two people in turns, as training finds them on disk.
+fn pool_of(count: usize, name: &str) -> Pool {
     let folder = folder(name);
-    for (index, name) in ["woman-standing.ply", "man-lunging.ply"].iter().enumerate() {
+    for index in 0..count {
+        let name = ["woman-standing.ply", "man-lunging.ply"][index % 2];
         let sample = Sample::new(scan(name, in_order), None, &samples()).expect("a sample");
         sample.save(&folder.join(format!("{index:06}.sample"))).expect("saved");
     }
-    Pool::open(&folder, 2, &samples()).expect("opened")
+    Pool::open(&folder, count, &samples()).expect("opened")
+}
+
+fn pool(name: &str) -> Pool {
+    pool_of(2, name)
 }
 
 #[test]
@@ -77,7 +82,7 @@ fn a_folder_of_samples_is_not_used_for_others() {
 
 #[test]
 fn folds_leave_bodies_out_and_are_scored_once() {
-    let pool = pool("folds");
+    let pool = pool_of(4, "folds");
     let folder = folder("folds-out");
     let run = |rate: f32| RunConfig { steps: 40, maps_from: 20, rate, ..RunConfig::default() };
     // At a rate of zero nothing is learned.
@@ -90,9 +95,28 @@ fn folds_leave_bodies_out_and_are_scored_once() {
     assert_eq!(cross_validate(&network(), &candidates, 2, &pool, &folder).expect("read"), Some(1));
     assert_eq!(fs::metadata(&trained).and_then(|m| m.modified()).expect("there"), first);
     assert_eq!(fs::read_to_string(folder.join("folds.csv")).expect("written"), table);
+    // Other candidates of the same number: only what differs is trained again, and from its beginning.
+    let score = folder.join("candidate-0-fold-1/score");
+    fs::write(&score, "0.75").expect("written");
+    let candidates = [candidates[0].clone(), RunConfig { steps: 20, ..candidates[1].clone() }];
+    cross_validate(&network(), &candidates, 2, &pool, &folder).expect("trained");
+    assert_eq!(fs::read_to_string(&score).expect("there"), "0.75");
+    assert_eq!(weights(&folder.join("candidate-1-fold-0")).about["steps"], "20");
 
     let fold = Fold { of: 5, held: 2 };
     assert_eq!((0..12).filter(|&index| fold.holds(index)).collect::<Vec<_>>(), [2, 7]);
+}
+
+#[test]
+fn folds_without_bodies_are_refused() {
+    let pool = Pool::open(&folder("few"), 5, &samples()).expect("opened");
+    let run = |of| RunConfig { fold: Some(Fold { of, held: 0 }), ..RunConfig::default() };
+    for of in [0, 1, 3] {
+        let refused = train(&network(), &run(of), &pool, &folder("few-out"), None, f64::INFINITY);
+        assert!(matches!(refused, Err(RunError::Folds { folds, bodies: 5 }) if folds == of), "{refused:?}");
+    }
+    let refused = cross_validate(&network(), &[RunConfig::default()], 3, &pool, &folder("few-out"));
+    assert!(refused.expect_err("too few").to_string().contains("3 folds of 5 bodies"));
 }
 
 #[test]

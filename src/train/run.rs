@@ -127,6 +127,14 @@ pub enum RunError {
     /// Every gradient of many steps was not finite.
     #[error("the gradients were not finite for {0} steps in a row")]
     NotFinite(usize),
+    /// No fold can be left out of so few bodies.
+    #[error("{folds} folds of {bodies} bodies: there must be at least two folds, and two bodies in each")]
+    Folds {
+        /// How many folds.
+        folds: usize,
+        /// Of how many bodies.
+        bodies: usize,
+    },
 }
 
 /// Steps between lines of the log, and between checkpoints.
@@ -146,6 +154,11 @@ pub fn train(
     start: Option<&Weights>,
     seconds: f64,
 ) -> Result<bool, RunError> {
+    if let Some(Fold { of: folds, .. }) = run.fold
+        && (folds < 2 || pool.count < 2 * folds)
+    {
+        return Err(RunError::Folds { folds, bodies: pool.count });
+    }
     fs::create_dir_all(folder)?;
     let state = folder.join("state.safetensors");
     let rng = ChaCha8Rng::seed_from_u64(run.seed);
