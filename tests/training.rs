@@ -217,15 +217,44 @@ fn parts_are_learned_in_a_few_steps() {
     let folder = folder("learned-run");
     let run = RunConfig { steps: 120, maps_from: 60, rate: 1e-2, ..RunConfig::default() };
     train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained");
-    let log = fs::read_to_string(folder.join("log.csv")).expect("a log");
-    let value = |line: &str, name: &str| -> f64 {
-        let field = line.split(',').find_map(|field| field.strip_prefix(&format!("{name}=")));
-        field.expect("in every line").parse().expect("a number")
+    let (head, lines) = log(&folder);
+    assert_eq!(lines.len(), 6);
+    let value = |line: &[String], name: &str| -> Option<f64> {
+        let column = head.iter().position(|column| column == name).expect("a column");
+        line[column].parse().ok()
     };
-    let (first, last) = (log.lines().next().expect("lines"), log.lines().last().expect("lines"));
-    let (before, after) = (value(first, "parts"), value(last, "parts"));
+    let (first, last) = (&lines[0], &lines[5]);
+    let (before, after) = (value(first, "parts").expect("a number"), value(last, "parts").expect("a number"));
     assert!(after < 0.5 * before && after < 0.9, "cross-entropy {before}, then {after}");
-    assert!(value(last, "coupling") > 0.0, "functional maps joined in");
+    assert_eq!(value(first, "coupling"), None);
+    assert!(value(last, "coupling") > Some(0.0), "functional maps joined in");
+}
+
+/// The head of a run's log and its lines, all of one length.
+fn log(folder: &Path) -> (Vec<String>, Vec<Vec<String>>) {
+    let text = fs::read_to_string(folder.join("log.csv")).expect("a log");
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let head = lines.next().expect("a head");
+    let lines: Vec<Vec<String>> = lines.collect();
+    assert!(lines.iter().all(|line| line.len() == head.len()), "{text}");
+    (head, lines)
+}
+
+#[test]
+fn a_log_has_one_head_and_the_lines_of_one_run() {
+    let pool = pool("logged");
+    let folder = folder("logged-run");
+    let trained = |steps: usize, minutes: Option<f64>| {
+        let run = RunConfig { steps, minutes, maps_from: 1000, ..RunConfig::default() };
+        train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained");
+        let (head, lines) = log(&folder);
+        assert_eq!(head[..4], ["step", "rate", "seconds", "parts"]);
+        lines.into_iter().map(|line| line[0].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(trained(20, None), ["20"]);
+    assert_eq!(trained(40, None), ["20", "40"]);
+    // What begins anew has a log of its own.
+    assert!(trained(40, Some(1e-9)).is_empty());
 }
 
 /// Both configurations survive the JSON that options are merged in.
