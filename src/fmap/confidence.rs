@@ -223,4 +223,21 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn more_trust_gives_more_confidence_between_meshes() {
+        // From no fault to many, so that somewhere confidence is neither as high nor as low as it gets.
+        let of = |trust: f64| {
+            let value = |(i, c): (usize, usize)| match c {
+                0..6 => i as f64 / 40.0,
+                c if c == CUES - 1 => trust,
+                _ => 0.0,
+            };
+            let table = Array2::from_shape_fn((20, CUES), value);
+            confidence(&Cues { table, laid: true, meshes: true, parts: true })
+        };
+        let (less, more) = (of(-1.0), of(1.0));
+        assert!(less.iter().zip(&more).all(|(less, more)| more >= less), "{less:?} {more:?}");
+        assert!(less.iter().zip(&more).any(|(less, more)| more - less > 0.05), "{less:?} {more:?}");
+    }
 }
