@@ -1,5 +1,5 @@
 // Every test there is, one suite after the other; `npm test -- rust page` runs only those.
-import { readdirSync } from 'node:fs';
+import { readFileSync, readdirSync } from 'node:fs';
 import path from 'node:path';
 import { ensurePackages, isDebian } from './apt.mjs';
 import { check } from './check.mjs';
@@ -11,9 +11,13 @@ import { serveSite } from './serve.mjs';
 import { buildSite } from './site.mjs';
 import { runSuite } from './suite.mjs';
 import { wasmEnvironment } from './toolchain.mjs';
+import { presentBodyData } from './train.mjs';
 import { buildWasm } from './wasm.mjs';
 
-/** Each makes what it needs and resolves to `{ passed, failed, skipped }`. */
+/** Where data lies that is not part of the crate: variables that the ignored tests name. */
+const DATA = ['GEOSE_EVAL_DIR', 'GEOSE_BODY_DATA'];
+
+/** Each makes what it needs and resolves to `{ passed, failed, skipped }`, and what is to be remarked, if anything. */
 const SUITES = {
   check,
   scripts: () => runNode('scripts/tests'),
@@ -23,12 +27,35 @@ const SUITES = {
   page: testPage,
 };
 
-/** The crate natively. Tests that read evaluation sets run where there are some, and count as skipped elsewhere. */
-function testCrate() {
+/** The crate natively. Tests that read data which is not part of it run where that is, and count as skipped elsewhere. */
+async function testCrate() {
   // A Vulkan driver in software; other systems bring one of their own.
   if (isDebian()) ensurePackages(['libvulkan1', 'mesa-vulkan-drivers'], 'A Vulkan driver to test the GPU with is missing');
-  const all = process.env.GEOSE_EVAL_DIR ? ['--', '--include-ignored'] : [];
-  return runSuite('cargo', ['test', '--locked', '--no-fail-fast', '--features', 'train,gpu', ...all], environment());
+  const bodies = presentBodyData();
+  const env = environment([], bodies ? { GEOSE_BODY_DATA: bodies } : {});
+  const test = (...args) => runSuite('cargo', ['test', '--locked', '--no-fail-fast', '--features', 'train,gpu', ...args], env);
+  const counts = await test();
+  const remarks = [];
+  for (const variable of DATA) {
+    const names = readersOf(variable);
+    if (!env[variable]) {
+      remarks.push(`not run, as ${variable} is not set: the ignored tests in ${names.join(', ')}`);
+      continue;
+    }
+    const ran = await test(...names.flatMap((name) => ['--test', name]), '--', '--ignored');
+    counts.passed += ran.passed;
+    counts.failed += ran.failed;
+    counts.skipped = Math.max(0, counts.skipped - ran.passed - ran.failed);
+  }
+  return { ...counts, remarks };
+}
+
+/** Integration tests of which some are ignored because they read what `variable` names. */
+function readersOf(variable) {
+  const folder = path.join(root, 'tests');
+  const files = readdirSync(folder).filter((name) => name.endsWith('.rs'));
+  const reads = (name) => readFileSync(path.join(folder, name), 'utf8').includes(`: set ${variable} and pass`);
+  return files.filter(reads).map((name) => path.basename(name, '.rs'));
 }
 
 /** The crate in a real browser, without WebGPU and with it. Release builds, because the module has already made their dependencies. */
@@ -99,7 +126,8 @@ await main(import.meta, async (names) => {
     });
     for (const kind of Object.keys(total)) total[kind] += counts[kind];
     const seconds = Math.round((performance.now() - started) / 1000);
-    lines.push(`${counts.failed > 0 ? '✖' : '✔'} ${name}: ${tell(counts)} in ${seconds} s`);
+    const remarks = (counts.remarks ?? []).map((remark) => `\n  ${remark}`);
+    lines.push(`${counts.failed > 0 ? '✖' : '✔'} ${name}: ${tell(counts)} in ${seconds} s${remarks.join('')}`);
   }
   console.log(`\n${lines.join('\n')}\n${tell(total)}`);
   if (total.failed > 0) process.exitCode = 1;

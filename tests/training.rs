@@ -10,7 +10,7 @@ use geose_fmap::train::atlas::Atlas;
 use geose_fmap::train::folds::{Fold, cross_validate};
 use geose_fmap::train::losses::LossWeights;
 use geose_fmap::train::pool::{Pool, SampleConfig};
-use geose_fmap::train::run::{RunConfig, train};
+use geose_fmap::train::run::{RunConfig, RunError, train};
 use geose_fmap::train::sample::Sample;
 use geose_fmap::{Model, ModelConfig, PrepareOptions, Progress, Shape, Weights, prepare};
 use ndarray::Axis;
@@ -56,14 +56,19 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Two people as training finds them on disk.
-fn pool(name: &str) -> Pool {
+/// Two people in turns, as training finds them on disk.
+fn pool_of(count: usize, name: &str) -> Pool {
     let folder = folder(name);
-    for (index, name) in ["woman-standing.ply", "man-lunging.ply"].iter().enumerate() {
+    for index in 0..count {
+        let name = ["woman-standing.ply", "man-lunging.ply"][index % 2];
         let sample = Sample::new(scan(name, in_order), None, None, &samples()).expect("a sample");
         sample.save(&folder.join(format!("{index:06}.sample"))).expect("saved");
     }
-    Pool::open(&folder, 2, &samples()).expect("opened")
+    Pool::open(&folder, count, &samples()).expect("opened")
+}
+
+fn pool(name: &str) -> Pool {
+    pool_of(2, name)
 }
 
 #[test]
@@ -78,7 +83,7 @@ fn a_folder_of_samples_is_not_used_for_others() {
 
 #[test]
 fn folds_leave_bodies_out_and_are_scored_once() {
-    let pool = pool("folds");
+    let pool = pool_of(4, "folds");
     let folder = folder("folds-out");
     let run = |rate: f32| RunConfig { steps: 40, maps_from: 20, rate, ..RunConfig::default() };
     // At a rate of zero nothing is learned.
@@ -91,9 +96,28 @@ fn folds_leave_bodies_out_and_are_scored_once() {
     assert_eq!(cross_validate(&network(), &candidates, 2, &pool, &folder).expect("read"), Some(1));
     assert_eq!(fs::metadata(&trained).and_then(|m| m.modified()).expect("there"), first);
     assert_eq!(fs::read_to_string(folder.join("folds.csv")).expect("written"), table);
+    // Other candidates of the same number: only what differs is trained again, and from its beginning.
+    let score = folder.join("candidate-0-fold-1/score");
+    fs::write(&score, "0.75").expect("written");
+    let candidates = [candidates[0].clone(), RunConfig { steps: 20, ..candidates[1].clone() }];
+    cross_validate(&network(), &candidates, 2, &pool, &folder).expect("trained");
+    assert_eq!(fs::read_to_string(&score).expect("there"), "0.75");
+    assert_eq!(weights(&folder.join("candidate-1-fold-0")).about["steps"], "20");
 
     let fold = Fold { of: 5, held: 2 };
     assert_eq!((0..12).filter(|&index| fold.holds(index)).collect::<Vec<_>>(), [2, 7]);
+}
+
+#[test]
+fn folds_without_bodies_are_refused() {
+    let pool = Pool::open(&folder("few"), 5, &samples()).expect("opened");
+    let run = |of| RunConfig { fold: Some(Fold { of, held: 0 }), ..RunConfig::default() };
+    for of in [0, 1, 3] {
+        let refused = train(&network(), &run(of), &pool, &folder("few-out"), None, f64::INFINITY);
+        assert!(matches!(refused, Err(RunError::Folds { folds, bodies: 5 }) if folds == of), "{refused:?}");
+    }
+    let refused = cross_validate(&network(), &[RunConfig::default()], 3, &pool, &folder("few-out"));
+    assert!(refused.expect_err("too few").to_string().contains("3 folds of 5 bodies"));
 }
 
 #[test]
@@ -104,6 +128,20 @@ fn a_budget_in_minutes_ends_a_run() {
     let run = RunConfig { minutes: Some(0.02), steps: 1_000_000, losses, ..RunConfig::default() };
     assert!(train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained"));
     assert!(folder.join("weights.safetensors").exists());
+}
+
+#[test]
+fn a_budget_in_minutes_begins_anew() {
+    let pool = pool("anew");
+    let folder = folder("anew-out");
+    let steps = || weights(&folder).about["steps"].parse::<usize>().expect("a number");
+    let run = RunConfig { steps: 20, ..RunConfig::default() };
+    assert!(train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained"));
+    assert_eq!(steps(), 20);
+    // Over before its first step, or soon after.
+    let run = RunConfig { minutes: Some(1e-9), ..run };
+    assert!(train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained"));
+    assert!(steps() < 20, "{}", steps());
 }
 
 /// Labels are all that says what a point is: in another order of the points the same numbers come in that order, so that no place in a list and no
@@ -217,15 +255,44 @@ fn parts_are_learned_in_a_few_steps() {
     let folder = folder("learned-run");
     let run = RunConfig { steps: 120, maps_from: 60, rate: 1e-2, ..RunConfig::default() };
     train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained");
-    let log = fs::read_to_string(folder.join("log.csv")).expect("a log");
-    let value = |line: &str, name: &str| -> f64 {
-        let field = line.split(',').find_map(|field| field.strip_prefix(&format!("{name}=")));
-        field.expect("in every line").parse().expect("a number")
+    let (head, lines) = log(&folder);
+    assert_eq!(lines.len(), 6);
+    let value = |line: &[String], name: &str| -> Option<f64> {
+        let column = head.iter().position(|column| column == name).expect("a column");
+        line[column].parse().ok()
     };
-    let (first, last) = (log.lines().next().expect("lines"), log.lines().last().expect("lines"));
-    let (before, after) = (value(first, "parts"), value(last, "parts"));
+    let (first, last) = (&lines[0], &lines[5]);
+    let (before, after) = (value(first, "parts").expect("a number"), value(last, "parts").expect("a number"));
     assert!(after < 0.5 * before && after < 0.9, "cross-entropy {before}, then {after}");
-    assert!(value(last, "coupling") > 0.0, "functional maps joined in");
+    assert_eq!(value(first, "coupling"), None);
+    assert!(value(last, "coupling") > Some(0.0), "functional maps joined in");
+}
+
+/// The head of a run's log and its lines, all of one length.
+fn log(folder: &Path) -> (Vec<String>, Vec<Vec<String>>) {
+    let text = fs::read_to_string(folder.join("log.csv")).expect("a log");
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let head = lines.next().expect("a head");
+    let lines: Vec<Vec<String>> = lines.collect();
+    assert!(lines.iter().all(|line| line.len() == head.len()), "{text}");
+    (head, lines)
+}
+
+#[test]
+fn a_log_has_one_head_and_the_lines_of_one_run() {
+    let pool = pool("logged");
+    let folder = folder("logged-run");
+    let trained = |steps: usize, minutes: Option<f64>| {
+        let run = RunConfig { steps, minutes, maps_from: 1000, ..RunConfig::default() };
+        train(&network(), &run, &pool, &folder, None, f64::INFINITY).expect("trained");
+        let (head, lines) = log(&folder);
+        assert_eq!(head[..4], ["step", "rate", "seconds", "parts"]);
+        lines.into_iter().map(|line| line[0].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(trained(20, None), ["20"]);
+    assert_eq!(trained(40, None), ["20", "40"]);
+    // What begins anew has a log of its own.
+    assert!(trained(40, Some(1e-9)).is_empty());
 }
 
 /// Both configurations survive the JSON that options are merged in.

@@ -36,6 +36,16 @@ pub enum EvaluationError {
     /// A mode or option that the set has no data for.
     #[error("{0}")]
     NotMeasurable(String),
+    /// Constants of confidence that were not found.
+    #[error("the fit of {to} did not converge: step {iterations} still changed a coefficient by {last_step:.1e}")]
+    NotFitted {
+        /// What they were fitted to.
+        to: String,
+        /// Newton steps.
+        iterations: usize,
+        /// The most that the last of them changed one by.
+        last_step: f64,
+    },
     /// The method itself fails on a shape or pair.
     #[error("{on}: {error}")]
     Method {

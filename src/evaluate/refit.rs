@@ -8,7 +8,7 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::fmap::{CUES, Refinement, Situation, fit, probability};
+use crate::fmap::{CUES, Fit, Refinement, Situation, fit, probability};
 use crate::model::{Model, TRUST, Weights};
 use crate::options::{MatchOptions, Parts, PrepareOptions};
 use crate::pipeline::match_with_cues;
@@ -111,17 +111,19 @@ pub fn refit(
             points.entry(situation).or_default().join(more);
         }
     }
+    let points = all_situations(points, dataset)?;
     let features = model.weights().config.features;
     let mut trust = Array2::<f32>::zeros((features + 1, 2));
     let mut fitted = BTreeMap::new();
     // Refined maps first: their points say what trust is, and the others take it as it is.
     let (best, others): (Vec<_>, Vec<_>) = points.iter().partition(|(s, points)| s.laid && points.width == features);
     for (&situation, points) in best {
-        let coefficients = fit(&points.right, OTHERS + features, |i, row| {
+        let found = fit(&points.right, OTHERS + features, |i, row| {
             row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[OTHERS..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
             0.0
         });
+        let coefficients = converged(situation, found)?;
         let of_features = &coefficients[1 + OTHERS..];
         let mut column = trust.column_mut(usize::from(!situation.meshes));
         (0..features).for_each(|f| column[f] = of_features[f] as f32);
@@ -136,7 +138,7 @@ pub fn refit(
             row.iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             share * trust_of(column.view(), points.features(i))
         });
-        fitted.insert(situation, [&of_cues[..], &[share]].concat());
+        fitted.insert(situation, [&converged(situation, of_cues)?[..], &[share]].concat());
     }
     let trusted = |situation: &Situation, points: &Points, i: usize| {
         let kind = usize::from(!situation.meshes);
@@ -144,12 +146,12 @@ pub fn refit(
         if points.width == features && SHARE[kind] > 0.0 { trust_of(column, points.features(i)) } else { 0.0 }
     };
     for (&situation, points) in others {
-        let coefficients = fit(&points.right, CUES, |i, row| {
+        let found = fit(&points.right, CUES, |i, row| {
             row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[OTHERS] = trusted(&situation, points, i);
             0.0
         });
-        fitted.insert(situation, coefficients);
+        fitted.insert(situation, converged(situation, found)?);
     }
     let text = fitted.iter().map(|(situation, coefficients)| {
         let points = &points[situation];
@@ -157,6 +159,32 @@ pub fn refit(
         lines(*situation, points, coefficients, trust)
     });
     Ok((text.collect(), model.weights().clone().with(TRUST, trust.clone())))
+}
+
+/// The points, if there are any of every situation.
+fn all_situations(
+    points: BTreeMap<Situation, Points>,
+    dataset: &Path,
+) -> Result<BTreeMap<Situation, Points>, EvaluationError> {
+    let empty = |situation: &Situation| points.get(situation).is_none_or(|points| points.right.is_empty());
+    let missing: Vec<Situation> = Situation::all().filter(empty).collect();
+    if missing.is_empty() {
+        return Ok(points);
+    }
+    let sentence = format!(
+        "the pairs of {} show nothing of {missing:?}: take more, as only about one in {RARE} is matched without network or refinement",
+        dataset.display()
+    );
+    Err(EvaluationError::NotMeasurable(sentence))
+}
+
+/// The coefficients, if they were found.
+fn converged(situation: Situation, fit: Fit) -> Result<Vec<f64>, EvaluationError> {
+    if fit.converged() {
+        return Ok(fit.coefficients);
+    }
+    let Fit { iterations, last_step, .. } = fit;
+    Err(EvaluationError::NotFitted { to: format!("{situation:?}"), iterations, last_step })
 }
 
 /// Trust of a point by its features; the last of `column` is the constant.
@@ -179,4 +207,36 @@ fn lines(situation: Situation, points: &Points, coefficients: &[f64], trust: imp
         "    // {situation:?}: {count} points, AUC {auc}, calibration error {ece} on themselves.\n    [{}],\n",
         values.join(", ")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(situations: impl Iterator<Item = Situation>) -> BTreeMap<Situation, Points> {
+        situations.map(|situation| (situation, Points { right: vec![true], ..Points::default() })).collect()
+    }
+
+    #[test]
+    fn a_set_that_lacks_a_situation_is_refused() {
+        assert!(all_situations(seen(Situation::all()), Path::new("tune")).is_ok());
+        let few = seen(Situation::all().filter(|situation| situation.learned || situation.laid));
+        let refused = all_situations(few, Path::new("tune")).err().expect("two are missing").to_string();
+        assert!(refused.contains("tune") && refused.matches("learned: false, laid: false").count() == 2, "{refused}");
+        let nothing = all_situations(BTreeMap::from([]), Path::new("tune")).err().expect("all are missing");
+        assert_eq!(nothing.to_string().matches("Situation").count(), 8);
+    }
+
+    #[test]
+    fn coefficients_that_were_not_found_are_refused() {
+        let situation = Situation::all().last().expect("some");
+        let fit = |last_step| Fit { coefficients: vec![1.0], iterations: 30, last_step };
+        assert_eq!(converged(situation, fit(1e-9)).expect("found"), [1.0]);
+        let refused = converged(situation, fit(250.0)).expect_err("swinging").to_string();
+        assert!(
+            refused.contains("learned: true") && refused.contains("step 30") && refused.contains("2.5e2"),
+            "{refused}"
+        );
+        assert!(converged(situation, fit(f64::NAN)).is_err());
+    }
 }

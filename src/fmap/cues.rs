@@ -125,3 +125,43 @@ impl<'m> Region<'m> {
         sums.iter().zip(&self.degree).map(|(sum, count)| sum / (1.0 + count)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operators::Surface;
+    use crate::spectrum::SpectralBasis;
+
+    /// Four points of a mesh in a row, all of them samples, trusted so far each.
+    fn row(trust: [f32; 4]) -> Matchable {
+        let basis =
+            SpectralBasis { eigenvalues: [0.0].into(), eigenvectors: Array2::ones((4, 1)), mass: [0.25; 4].into() };
+        let surface = Surface {
+            normals: vec![[0.0, 0.0, 1.0]; 4],
+            oriented: true,
+            cell: vec![0, 1, 2, 3],
+            touching: vec![[0, 1], [1, 2], [2, 3]],
+        };
+        Matchable {
+            basis,
+            points: Array2::from_shape_fn((4, 3), |(i, c)| if c == 0 { i as f64 } else { 0.0 }),
+            features: Array2::zeros((4, 1)),
+            parts: None,
+            trust: Some(Array2::from_shape_fn((4, 2), |(i, _)| trust[i])),
+            coarse: vec![0, 1, 2, 3],
+            surface,
+        }
+    }
+
+    #[test]
+    fn the_last_cue_between_meshes_is_the_trust_in_the_point_itself() {
+        let (own, other) = (row([-1.5, 0.25, 0.0, 2.0]), row([9.0; 4]));
+        let across = [3, 2, 1, 0];
+        let cues = Cues::of([&own, &other], [&across, &across], None);
+        assert!(cues.meshes);
+        assert_eq!(cues.table.column(CUES - 1).to_vec(), [-1.5, 0.25, 0.0, 2.0]);
+        // Nobody said anything of them.
+        let unknown = Cues::of([&Matchable { trust: None, ..own }, &other], [&across, &across], None);
+        assert_eq!(unknown.table.column(CUES - 1).to_vec(), [0.0; 4]);
+    }
+}

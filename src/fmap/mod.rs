@@ -22,7 +22,7 @@ mod rigidity;
 mod stretch;
 
 #[cfg(feature = "train")]
-pub(crate) use confidence::{Situation, fit, probability};
+pub(crate) use confidence::{Fit, Situation, fit, probability};
 pub use correspondence::{Correspondence, UNMATCHED};
 #[cfg(feature = "train")]
 pub(crate) use cues::CUES;

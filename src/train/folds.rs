@@ -4,13 +4,14 @@
 //! to a point of their own part.
 
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 
 use candle_core::Tensor;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::parameters::Parameters;
 use super::pool::Pool;
@@ -39,7 +40,7 @@ impl Fold {
 const PAIRS: usize = 60;
 
 /// Trains every candidate once for each of `folds` folds, in folders of `folder`, and writes `folds.csv` there: a line per candidate with its scores.
-/// Returns the index of the best by mean score. What an earlier call scored is not trained again.
+/// Returns the index of the best by mean score. What an earlier call scored is not trained again, as long as `run.json` beside the score says the same.
 pub fn cross_validate(
     config: &ModelConfig,
     candidates: &[RunConfig],
@@ -59,6 +60,7 @@ pub fn cross_validate(
             let run = RunConfig { fold: Some(fold), ..candidate.clone() };
             let place = folder.join(format!("candidate-{i}-fold-{held}"));
             let scored = place.join("score");
+            begin_anew_unless_same(&place, &json!({ "network": config, "run": run, "bodies": pool.count }))?;
             let score = match fs::read_to_string(&scored).ok().and_then(|text| text.trim().parse::<f64>().ok()) {
                 Some(score) => score,
                 None => {
@@ -79,6 +81,23 @@ pub fn cross_validate(
         means.push(mean);
     }
     Ok((0..means.len()).max_by(|&i, &j| means[i].total_cmp(&means[j])))
+}
+
+/// Keeps `settings` in `place`; what was made there by others is not gone on with.
+fn begin_anew_unless_same(place: &Path, settings: &Value) -> io::Result<()> {
+    let file = place.join("run.json");
+    let known = fs::read(&file).ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
+    if known.as_ref() == Some(settings) {
+        return Ok(());
+    }
+    for made in ["score", "state.safetensors"] {
+        match fs::remove_file(place.join(made)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+    }
+    fs::create_dir_all(place)?;
+    fs::write(file, format!("{settings:#}\n"))
 }
 
 /// Mean share of points of one part, over pairs of bodies of the fold.

@@ -127,11 +127,32 @@ pub enum RunError {
     /// Every gradient of many steps was not finite.
     #[error("the gradients were not finite for {0} steps in a row")]
     NotFinite(usize),
+    /// No fold can be left out of so few bodies.
+    #[error("{folds} folds of {bodies} bodies: there must be at least two folds, and two bodies in each")]
+    Folds {
+        /// How many folds.
+        folds: usize,
+        /// Of how many bodies.
+        bodies: usize,
+    },
 }
 
 /// Steps between lines of the log, and between checkpoints.
 const LOG: usize = 20;
 const CHECKPOINT: usize = 200;
+/// Columns of the log after step, rate and seconds.
+const MEANS: [&str; 10] = [
+    "parts",
+    "semantic",
+    "eigen",
+    "features_orthogonal",
+    "bijectivity",
+    "orthogonality",
+    "coupling",
+    "part accuracy",
+    "same part",
+    "gradient",
+];
 /// Bodies that the first steps draw from, and steps that add one: training need not wait for all of them to be made.
 const FIRST_BODIES: usize = 300;
 const STEPS_PER_BODY: usize = 2;
@@ -146,30 +167,41 @@ pub fn train(
     start: Option<&Weights>,
     seconds: f64,
 ) -> Result<bool, RunError> {
+    if let Some(Fold { of: folds, .. }) = run.fold
+        && (folds < 2 || pool.count < 2 * folds)
+    {
+        return Err(RunError::Folds { folds, bodies: pool.count });
+    }
     fs::create_dir_all(folder)?;
     let state = folder.join("state.safetensors");
     let rng = ChaCha8Rng::seed_from_u64(run.seed);
-    let mut parameters = match (fs::read(&state), start) {
-        (Ok(bytes), _) => {
-            let resumed = Weights::from_bytes(&bytes)?;
-            if resumed.config != *config {
+    let saved = match fs::read(&state) {
+        _ if run.minutes.is_some() => None,
+        Ok(bytes) => Some(bytes),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error.into()),
+    };
+    let resumed = saved.is_some();
+    let mut parameters = match (saved, start) {
+        (Some(bytes), _) => {
+            let saved = Weights::from_bytes(&bytes)?;
+            if saved.config != *config {
                 return Err(WeightsError(format!("{} is of another network", state.display())).into());
             }
-            Parameters::from_weights(&resumed, rng)
+            Parameters::from_weights(&saved, rng)
         }
-        (Err(error), _) if error.kind() != io::ErrorKind::NotFound => return Err(error.into()),
-        (Err(_), Some(weights)) => {
+        (None, Some(weights)) => {
             let mut begun = Parameters::from_weights(weights, rng);
             begun.steps = 0;
             begun
         }
-        (Err(_), None) => Parameters::new(rng),
+        (None, None) => Parameters::new(rng),
     };
     let network = Network::new(config, &mut parameters)?;
     println!("{} parameters, at step {} of {}", parameters.count(), parameters.steps, run.steps);
 
     let began = Instant::now();
-    let mut log = Log::open(&folder.join("log.csv"))?;
+    let mut log = Log::open(&folder.join("log.csv"), resumed)?;
     let mut not_finite = 0;
     let mut step = parameters.steps;
     let budget = run.minutes.map(|minutes| 60.0 * minutes);
@@ -251,29 +283,35 @@ fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     fs::rename(partial, path)
 }
 
-/// Means since the last line, as comma-separated values.
+/// Means since the last line, as comma-separated values under a head line.
 struct Log {
     file: fs::File,
-    sums: std::collections::BTreeMap<&'static str, (f64, usize)>,
+    sums: [(f64, usize); MEANS.len()],
 }
 
 impl Log {
-    fn open(path: &Path) -> io::Result<Self> {
-        let file = fs::OpenOptions::new().create(true).append(true).open(path)?;
+    /// Goes on with the file where the run does.
+    fn open(path: &Path, resumed: bool) -> io::Result<Self> {
+        let mut file = fs::OpenOptions::new().create(true).write(true).append(resumed).truncate(!resumed).open(path)?;
+        if file.metadata()?.len() == 0 {
+            writeln!(file, "step,rate,seconds,{}", MEANS.join(","))?;
+        }
         Ok(Self { file, sums: Default::default() })
     }
 
-    fn add(&mut self, name: &'static str, value: f64) {
-        let sum = self.sums.entry(name).or_default();
-        *sum = (sum.0 + value, sum.1 + 1);
+    fn add(&mut self, name: &str, value: f64) {
+        let column = MEANS.iter().position(|&mean| mean == name).expect("every loss has its column");
+        let (sum, count) = &mut self.sums[column];
+        (*sum, *count) = (*sum + value, *count + 1);
     }
 
     fn write(&mut self, step: usize, rate: f32, seconds: f64) -> io::Result<()> {
-        let mut line = format!("step={step},rate={rate:.2e},seconds={seconds:.0}");
-        for (name, (sum, count)) in std::mem::take(&mut self.sums) {
-            line += &format!(",{name}={:.4}", sum / count as f64);
-        }
-        println!("{line}");
-        writeln!(self.file, "{line}")
+        let mean =
+            |(sum, count): (f64, usize)| if count > 0 { format!("{:.4}", sum / count as f64) } else { String::new() };
+        let means = std::mem::take(&mut self.sums).map(mean);
+        let known = MEANS.iter().zip(&means).filter(|(_, mean)| !mean.is_empty());
+        let told: String = known.map(|(name, mean)| format!(",{name}={mean}")).collect();
+        println!("step={step},rate={rate:.2e},seconds={seconds:.0}{told}");
+        writeln!(self.file, "{step},{rate:.2e},{seconds:.0},{}", means.join(","))
     }
 }
