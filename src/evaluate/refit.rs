@@ -17,12 +17,8 @@ use crate::progress::Progress;
 
 /// Cues besides trust, which is found here.
 const OTHERS: usize = CUES - 1;
-/// What few ask for (no refinement, no network) is fitted to about every so many-th pair.
+/// What few ask for (ZoomOut, no refinement, no network) is fitted to about every so many-th pair.
 const RARE: u64 = 4;
-
-/// How much trust counts, of what the fit would give it, between meshes and where one is a cloud. Synthetic people are matched wrongly at places where real ones need not be. Half of
-/// it tells as much of meshes of other synthetic ones (area under curve on held-out bodies 0.855 in place of 0.858; without it 0.836). On clouds it adds 0.011 there, too little for what it costs on others.
-const SHARE: [f64; 2] = [0.5, 0.0];
 
 /// Points of a situation.
 #[derive(Default)]
@@ -83,8 +79,10 @@ pub fn refit(
             let mut found = Vec::new();
             for (shapes, refine, asked) in [
                 (&known, Refinement::Best, true),
+                (&known, Refinement::ZoomOut, rare),
                 (&known, Refinement::None, rare),
                 (&unknown, Refinement::Best, rare),
+                (&unknown, Refinement::ZoomOut, rare),
                 (&unknown, Refinement::None, rare),
             ] {
                 if !asked {
@@ -121,7 +119,6 @@ pub fn refit(
         let found = fit(&points.right, OTHERS + features, |i, row| {
             row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[OTHERS..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
-            0.0
         });
         let coefficients = converged(situation, found)?;
         let of_features = &coefficients[1 + OTHERS..];
@@ -130,26 +127,20 @@ pub fn refit(
         // About 0 on average, so that a point of which nothing is known is as good as any.
         let direction: Array1<f32> = column.iter().take(features).copied().collect();
         let sum: f64 = (0..points.right.len()).map(|i| f64::from(points.features(i).dot(&direction))).sum();
-        let mean = sum / points.right.len().max(1) as f64;
+        let mean = sum / points.right.len() as f64;
         column[features] = -mean as f32;
-        let column = column.to_owned();
-        let share = SHARE[usize::from(!situation.meshes)];
-        let of_cues = fit(&points.right, OTHERS, |i, row| {
-            row.iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
-            share * trust_of(column.view(), points.features(i))
-        });
-        fitted.insert(situation, [&converged(situation, of_cues)?[..], &[share]].concat());
+        let mut of_cues = [&coefficients[..1 + OTHERS], &[1.0]].concat();
+        of_cues[0] += mean;
+        fitted.insert(situation, of_cues);
     }
     let trusted = |situation: &Situation, points: &Points, i: usize| {
-        let kind = usize::from(!situation.meshes);
-        let column = trust.column(kind);
-        if points.width == features && SHARE[kind] > 0.0 { trust_of(column, points.features(i)) } else { 0.0 }
+        let column = trust.column(usize::from(!situation.meshes));
+        if points.width == features { trust_of(column, points.features(i)) } else { 0.0 }
     };
     for (&situation, points) in others {
         let found = fit(&points.right, CUES, |i, row| {
             row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[OTHERS] = trusted(&situation, points, i);
-            0.0
         });
         fitted.insert(situation, converged(situation, found)?);
     }

@@ -134,8 +134,11 @@ mod tests {
 
     /// Four points of a mesh in a row, all of them samples, trusted so far each.
     fn row(trust: [f32; 4]) -> Matchable {
-        let basis =
-            SpectralBasis { eigenvalues: [0.0].into(), eigenvectors: Array2::ones((4, 1)), mass: [0.25; 4].into() };
+        let basis = SpectralBasis {
+            eigenvalues: vec![0.0].into(),
+            eigenvectors: Array2::ones((4, 1)),
+            mass: vec![0.25; 4].into(),
+        };
         let surface = Surface {
             normals: vec![[0.0, 0.0, 1.0]; 4],
             oriented: true,

@@ -141,8 +141,9 @@ pub enum RunError {
 const LOG: usize = 20;
 const CHECKPOINT: usize = 200;
 /// Columns of the log after step, rate and seconds.
-const MEANS: [&str; 10] = [
+const MEANS: [&str; 11] = [
     "parts",
+    "places",
     "semantic",
     "eigen",
     "features_orthogonal",
