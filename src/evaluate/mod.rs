@@ -93,6 +93,8 @@ pub struct Task {
     pub parts: Parts,
     /// How far matches are refined.
     pub refine: Refinement,
+    /// Whether the network's maps stand, however little it is at home with a pair.
+    pub network_only: bool,
     /// Which rotations shapes get; `up` is about `preparing.up`, by default y.
     pub rotate: Rotate,
     /// Seed of the rotations.
@@ -260,8 +262,9 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
         let stuck = |_| format!("{source} {target}: the least squares of the oracle do not converge");
         (found.map_err(|e| EvaluationError::NotMeasurable(stuck(e)))?, None, None)
     } else {
-        let (parts, refine) = (task.parts(), task.refine);
-        let options = MatchOptions { parts, refine, raw: refine != Refinement::None, ..Default::default() };
+        let &Task { refine, network_only, .. } = task;
+        let (parts, raw) = (task.parts(), refine != Refinement::None);
+        let options = MatchOptions { parts, refine, raw, network_only, ..Default::default() };
         let mut progress = Progress::silent();
         let matched = pollster::block_on(match_with(model, a, b, &options, &mut progress)).map_err(failed)?;
         (matched.a_to_b.target, Some(matched.a_to_b.confidence), matched.raw.map(|raw| raw.target))
@@ -325,6 +328,7 @@ fn summary(
         set: set.name(),
         mode: task.mode,
         refine: if task.oracle { Refinement::None } else { task.refine },
+        network_only: task.network_only,
         parts: task.parts(),
         rotate: task.rotate,
         oracle: task.oracle,
