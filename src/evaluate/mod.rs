@@ -246,7 +246,7 @@ fn prepare_one(
 struct Measured {
     result: PairResult,
     accuracy: [f64; THRESHOLDS.len()],
-    same_part: Option<f64>,
+    part_agreement: Option<f64>,
     flipped_points: Option<f64>,
     /// One per line; none of an oracle, which has no doubts.
     judged: Vec<Judged>,
@@ -279,8 +279,8 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
     Ok(Measured {
         result: PairResult { source: source.clone(), target: target.clone(), age: errors.age(), age_raw, flipped },
         accuracy: THRESHOLDS.map(|(_, threshold)| errors.accuracy(threshold)),
-        same_part: (task.parts() == Parts::Predicted && truth.vertex_of.is_none())
-            .then(|| same_part(a, b, &truth.lines))
+        part_agreement: (task.parts() == Parts::Predicted && truth.vertex_of.is_none())
+            .then(|| part_agreement(a, b, &truth.lines))
             .flatten(),
         flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
         judged,
@@ -299,7 +299,7 @@ fn part_iou(set: &DataSet, name: &str, shape: &PreparedShape) -> Result<Option<f
 }
 
 /// The share of lines whose two points have the same predicted part.
-fn same_part(a: &PreparedShape, b: &PreparedShape, lines: &[(u32, u32)]) -> Option<f64> {
+fn part_agreement(a: &PreparedShape, b: &PreparedShape, lines: &[(u32, u32)]) -> Option<f64> {
     let (of_a, of_b) = (a.predicted_parts()?, b.predicted_parts()?);
     mean(lines.iter().map(|&(i, j)| f64::from(u8::from(of_a[i as usize] == of_b[j as usize]))))
 }
@@ -339,7 +339,7 @@ fn summary(
         flips: (!flipped.is_empty()).then(|| flipped.iter().filter(|&&flipped| flipped).count()),
         flipped_points: mean(measured.iter().filter_map(|m| m.flipped_points)),
         part_miou: mean(ious.into_iter()),
-        part_agreement: mean(measured.iter().filter_map(|m| m.same_part)),
+        part_agreement: mean(measured.iter().filter_map(|m| m.part_agreement)),
         confidence_auc: area_under_curve(&judged),
         ece: calibration_error(&judged),
         seconds_per_shape: mean(seconds_per_shape),
