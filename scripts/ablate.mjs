@@ -24,6 +24,7 @@ const losses = (changes) => ({ run: { losses: changes } });
 /** What differs from what ships. `laplacian` is the one of every cloud, in training and in matching; `parts` are where labels come from in matching. */
 export const VARIANTS = {
   'as it ships': { parts: ['predicted', 'given'] },
+  'from labels and places': { teacher: 'src/model/geose.safetensors' },
   'without L_sem': losses({ semantic: 0 }),
   'without orthogonality': losses({ orthogonality: 0 }),
   'without bijectivity': losses({ bijectivity: 0 }),
@@ -47,14 +48,14 @@ export const partsOf = (variant) => variant.parts ?? [learnsParts(variant) ? 'pr
 
 /** Trains a variant; returns its weights, and the commit that they were trained at. */
 function train(name, variant, { minutes, bodies, folder }) {
-  const { run: changes = {}, network = {}, laplacian, paper } = variant;
+  const { run: changes = {}, network = {}, laplacian, paper, teacher } = variant;
   const out = path.join(folder, name.replaceAll(/\W+/g, '-'));
   const weights = path.join(out, 'weights.safetensors');
   const done = path.join(out, 'done.json');
   const known = existsSync(done) ? JSON.parse(readFileSync(done, 'utf8')) : {};
   if (isDeepStrictEqual(known.variant, variant)) return { weights, commit: known.commit };
   rmSync(out, { recursive: true, force: true });
-  const kind = paper ? 'paper' : laplacian;
+  const kind = paper ? 'paper' : teacher ? 'places' : laplacian;
   const samples = path.join(root, 'runs', `samples${kind ? `-${kind}` : ''}`);
   const trainer = (...more) =>
     runTrainer('train', [
@@ -62,6 +63,7 @@ function train(name, variant, { minutes, bodies, folder }) {
       ...['--run', JSON.stringify({ ...changes, minutes, name }), '--network', JSON.stringify(network)],
       ...(laplacian ? ['--laplacian', laplacian] : []),
       ...(paper ? ['--paper'] : []),
+      ...(teacher ? ['--teacher', teacher] : []),
       ...more,
     ]);
   say(`${name}: ${bodies} bodies`);
