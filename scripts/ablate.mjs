@@ -1,19 +1,30 @@
 // What each piece of the method is worth (the paper's Table 3, on our data) → benches/results/ablations.md. Every variant trains for the same time, from
-// nothing: `npm run ablate -- --minutes 10`. What an earlier call trained or measured is not done again.
-import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+// nothing: `npm run ablate -- --minutes 10`. What an earlier call trained, or measured with the same program, is not done again.
+import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
-import { parseArgs } from 'node:util';
-import { evaluationSets, markdown, number, share } from './evaluate.mjs';
+import { isDeepStrictEqual, parseArgs } from 'node:util';
+import { evaluationSets, markdown, number, programCommit, programHash, share } from './evaluate.mjs';
 import { buildNative, nativeProgram } from './native.mjs';
-import { Failure, main, output, root, run, say } from './run.mjs';
+import { Failure, main, root, run, say } from './run.mjs';
 import { bodyData, runTrainer } from './train.mjs';
 
 const TABLE = path.join(root, 'benches/results/ablations.md');
+/** Stands above what this script leaves alone. */
+export const MARKER = '<!-- npm run ablate writes what stands above, and keeps what stands below. -->';
+const SETS = ['held-out', 'faust_r'];
+/** The first columns say which row it is. */
+const KEY = ['variant', 'parts', 'minutes', 'bodies', 'pairs'];
+const HEAD = [
+  ...[...KEY, 'commit'],
+  ...SETS.flatMap((set) => ['mesh', 'cloud'].flatMap((mode) => [`${set}, ${mode}`, 'refined'])),
+  'parts agree',
+];
 const losses = (changes) => ({ run: { losses: changes } });
 
-/** What differs from what ships. `laplacian` is the one of every cloud, in training and in matching. */
-const VARIANTS = {
-  'as it ships': {},
+/** What differs from what ships. `laplacian` is the one of every cloud, in training and in matching; `parts` are where labels come from in matching. */
+export const VARIANTS = {
+  'as it ships': { parts: ['predicted', 'given'] },
+  'from labels and places': { teacher: 'src/model/geose.safetensors' },
   'without L_sem': losses({ semantic: 0 }),
   'without orthogonality': losses({ orthogonality: 0 }),
   'without bijectivity': losses({ bijectivity: 0 }),
@@ -29,39 +40,75 @@ const VARIANTS = {
   'the paper as printed': { paper: true, laplacian: 'geodesic-literal' },
 };
 
-/** Trains a variant; returns its weights. */
-function train(name, { run: changes = {}, network = {}, laplacian, paper }, { minutes, bodies, folder }) {
+/** Whether a variant's network learns parts. One that does not is given labels, like the paper's. */
+const learnsParts = ({ run, paper }) => !paper && run?.losses.parts !== 0;
+
+/** Which labels the matches of a variant use, one row each. */
+export const partsOf = (variant) => variant.parts ?? [learnsParts(variant) ? 'predicted' : 'given'];
+
+/** Trains a variant; returns its weights, and the commit that they were trained at. */
+function train(name, variant, { minutes, bodies, folder }) {
+  const { run: changes = {}, network = {}, laplacian, paper, teacher } = variant;
   const out = path.join(folder, name.replaceAll(/\W+/g, '-'));
   const weights = path.join(out, 'weights.safetensors');
-  const done = path.join(out, 'done');
-  if (existsSync(done)) return weights;
-  const samples = path.join(root, 'runs', paper ? 'samples-paper' : `samples${laplacian ? `-${laplacian}` : ''}`);
+  const done = path.join(out, 'done.json');
+  const known = existsSync(done) ? JSON.parse(readFileSync(done, 'utf8')) : {};
+  if (isDeepStrictEqual(known.variant, variant)) return { weights, commit: known.commit };
+  rmSync(out, { recursive: true, force: true });
+  const kind = paper ? 'paper' : teacher ? 'places' : laplacian;
+  const samples = path.join(root, 'runs', `samples${kind ? `-${kind}` : ''}`);
   const trainer = (...more) =>
     runTrainer('train', [
       ...['--data', bodyData(), '--out', out, '--samples', samples, '--bodies', bodies],
       ...['--run', JSON.stringify({ ...changes, minutes, name }), '--network', JSON.stringify(network)],
       ...(laplacian ? ['--laplacian', laplacian] : []),
       ...(paper ? ['--paper'] : []),
+      ...(teacher ? ['--teacher', teacher] : []),
       ...more,
     ]);
   say(`${name}: ${bodies} bodies`);
   trainer('--only-samples');
   say(`${name}: ${minutes} minutes`);
+  const commit = programCommit();
   trainer();
-  writeFileSync(done, '');
-  return weights;
+  writeFileSync(done, JSON.stringify({ variant, commit }));
+  return { weights, commit };
 }
 
 /** One measurement of weights. */
-function measure(weights, dataset, mode, laplacian, limit) {
-  const file = path.join(path.dirname(weights), `${path.basename(dataset)}-${mode}-${limit}.json`);
+function measure(weights, variant, { dataset, mode, parts, limit }) {
+  const file = path.join(path.dirname(weights), programHash(), `${path.basename(dataset)}-${mode}-parts-${parts}-${limit}.json`);
   if (!existsSync(file)) {
+    mkdirSync(path.dirname(file), { recursive: true });
+    // By default predicted parts tell limbs apart, also those of a network that knows none.
+    const laplacian = variant.laplacian ?? (learnsParts(variant) ? undefined : 'geodesic');
     const operator = laplacian && mode === 'cloud' ? ['--laplacian', laplacian] : [];
-    const what = ['--dataset', dataset, '--mode', mode, '--limit', limit, '--weights', weights, ...operator];
-    run(nativeProgram, ['evaluate', ...what, '--json', `${file}.part`]);
+    const what = ['--dataset', dataset, '--mode', mode, '--parts', parts, '--limit', limit, '--weights', weights, ...operator];
+    run(nativeProgram, ['evaluate', '--network-only', ...what, '--json', `${file}.part`]);
     renameSync(`${file}.part`, file);
   }
   return JSON.parse(readFileSync(file, 'utf8'));
+}
+
+/** The page `text` with `rows` in it. Its other rows and its notes stay. */
+export function updated(text, rows) {
+  const [above, notes] = text.split(MARKER);
+  if (notes === undefined && text !== '') throw new Failure(`The ablations have no line ${MARKER} to keep notes below.`);
+  const cells = (line) => line.slice(2, -2).split(' | ');
+  const [head, , ...old] = above.split('\n').filter((line) => line.startsWith('| '));
+  if (head && !isDeepStrictEqual(cells(head), HEAD))
+    throw new Failure('The ablations have a table of other columns: move it to the notes.');
+  const all = [...old.map(cells), ...rows].map((row) => [row.slice(0, KEY.length).join(), row]);
+  return `# What each piece is worth
+
+\`npm run ablate\` trains every variant from nothing at the commit named, for so many minutes on so many bodies, and measures it with \`--network-only\`: no map
+made without the network takes the place of a bad one. Mean geodesic errors ×100/√area, before and after refinement. Where parts are predicted, "parts agree"
+is the share of true pairs of faust_r clouds whose two points have the same predicted part; no map enters. A network that does not learn parts is given the
+set's labels, in attention as the paper's is and to keep points in their part; "as it ships" stands there with given labels too, for comparison.
+
+${markdown(HEAD, [...new Map(all).values()])}
+
+${MARKER}${notes ?? '\n'}`;
 }
 
 await main(import.meta, (args) => {
@@ -84,40 +131,26 @@ await main(import.meta, (args) => {
   const minutes = Number(options.minutes ?? 10);
   if (!(minutes > 0)) throw new Failure(`--minutes must be a number above 0, and is ${options.minutes}.`);
   const [limit, bodies] = [options.limit ?? '20', options.bodies ?? '1500'];
-  const folder = path.join(root, `runs/ablations-${minutes}`);
+  const unknown = options.only?.filter((name) => !(name in VARIANTS)) ?? [];
+  if (unknown.length > 0) throw new Failure(`--only must be one of: ${Object.keys(VARIANTS).join(', ')}.`);
+  const folder = path.join(root, `runs/ablations-${minutes}-${bodies}`);
   const held = path.join(root, 'runs/held-out');
   if (!existsSync(path.join(held, 'pairs.txt')))
     runTrainer('bodies', ['set', '--data', bodyData(), '--out', held, '--seed', '900001', '--count', '24']);
-  const sets = [held, path.join(evaluationSets(), 'faust_r')];
+  const sets = SETS.map((set) => (set === 'held-out' ? held : path.join(evaluationSets(), set)));
   buildNative();
-  const unknown = options.only?.filter((name) => !(name in VARIANTS)) ?? [];
-  if (unknown.length > 0) throw new Failure(`--only must be one of: ${Object.keys(VARIANTS).join(', ')}.`);
-  const rows = [];
   for (const name of options.only ?? Object.keys(VARIANTS)) {
     const variant = VARIANTS[name];
-    const weights = train(name, variant, { minutes, bodies, folder });
-    const found = sets.flatMap((set) => ['mesh', 'cloud'].map((mode) => measure(weights, set, mode, variant.laplacian, limit)));
-    rows.push([name, ...found.flatMap((f) => [number(f.age_raw, 2), number(f.age, 2)]), share(found[3].part_agreement)]);
-    // After every variant, so that what was measured is there whenever the run ends.
-    writeTable(sets, rows, { minutes, bodies, limit });
+    const { weights, commit } = train(name, variant, { minutes, bodies, folder });
+    const commits = commit === programCommit() ? commit : `${commit}, measured at ${programCommit()}`;
+    for (const parts of partsOf(variant)) {
+      const found = sets.flatMap((dataset) => ['mesh', 'cloud'].map((mode) => measure(weights, variant, { dataset, mode, parts, limit })));
+      const errors = found.flatMap((f) => [number(f.age_raw, 2), number(f.age, 2)]);
+      const row = [name, parts, `${minutes}`, bodies, limit, commits, ...errors, share(found.at(-1).part_agreement)];
+      // After every row, so that what was measured is there whenever the run ends.
+      mkdirSync(path.dirname(TABLE), { recursive: true });
+      writeFileSync(TABLE, updated(existsSync(TABLE) ? readFileSync(TABLE, 'utf8') : '', [row]));
+      say(TABLE);
+    }
   }
 });
-
-function writeTable(sets, rows, { minutes, bodies, limit }) {
-  const head = [
-    '',
-    ...sets.flatMap((set) => ['mesh', 'cloud'].flatMap((mode) => [`${path.basename(set)}, ${mode}`, 'refined'])),
-    'parts kept',
-  ];
-  const text = `# What each piece is worth
-
-\`npm run ablate -- --minutes ${minutes} --bodies ${bodies} --limit ${limit}\` at commit ${output('git', ['rev-parse', '--short', 'HEAD']) ?? 'unknown'}: every variant trained from nothing for
-${minutes} minutes. Mean geodesic errors ×100/√area of ${limit} pairs each, before and after refinement; "parts kept" is the share of points of faust_r clouds matched to
-their own part.
-
-${markdown(head, rows)}
-`;
-  mkdirSync(path.dirname(TABLE), { recursive: true });
-  writeFileSync(TABLE, text);
-  say(TABLE);
-}

@@ -10,6 +10,8 @@ import { Failure, main, output, root, run, say } from './run.mjs';
 const TABLE = path.join(root, 'benches/results/accuracy.md');
 // By default the geodesic one, limbs in contact told apart by their parts; the one called geodesic knows no parts.
 const CLOUD_LAPLACIANS = ['default', 'geodesic', 'euclidean', 'geodesic-literal'];
+/** The set that is measured in any orientation too, and on how many pairs. */
+const TURNED = { set: 'faust_r', rotate: 'so3', most: 20 };
 
 /** Folder of the evaluation sets. */
 export function evaluationSets() {
@@ -20,7 +22,7 @@ export function evaluationSets() {
   throw new Failure('There are no evaluation sets in ../shared/eval: say in GEOSE_EVAL_DIR where they are.');
 }
 
-/** What to measure on the sets in `folder`: `{ set, mode, parts, laplacian, oracle }` each, by what files a set has. */
+/** What to measure on the sets in `folder`: `{ set, mode, parts, rotate, most, laplacian, oracle }` each, by what files a set has. */
 export function plan(folder) {
   const sets = readdirSync(folder).filter((name) => existsSync(path.join(folder, name, 'shapes')));
   return sets.sort().flatMap((set) => {
@@ -32,28 +34,44 @@ export function plan(folder) {
     const modes = clouds ? ['cloud'] : paired ? ['mesh', 'cloud', 'mesh-cloud'] : ['mesh', 'cloud'];
     const given = paired && existsSync(at('labels')) ? ['given'] : [];
     const parts = paired ? ['predicted', 'none', ...given] : ['predicted'];
-    const matches = modes.flatMap((mode) => parts.map((parts) => ({ set, mode, parts, oracle: false })));
+    const upright = modes.flatMap((mode) => parts.map((parts) => ({ set, mode, parts, oracle: false })));
+    const turned = set === TURNED.set ? modes.map((mode) => ({ ...TURNED, mode, parts: 'predicted', oracle: false })) : [];
+    const matches = [...upright, ...turned];
     if (!truths.some((name) => name.endsWith('.vts')) || clouds) return matches;
     const oracles = [['mesh', 'cotangent'], ...CLOUD_LAPLACIANS.map((laplacian) => ['cloud', laplacian])];
     return [...matches, ...oracles.map(([mode, laplacian]) => ({ set, mode, laplacian, oracle: true }))];
   });
 }
 
+/** What tells the native program from those built before and after. */
+export const programHash = () => createHash('sha256').update(readFileSync(nativeProgram)).digest('hex').slice(0, 12);
+
+/** The commit that the native program was built at. */
+export function programCommit() {
+  const commit = output('git', ['rev-parse', '--short', 'HEAD']) ?? 'unknown';
+  return output('git', ['status', '--porcelain', '--', 'src', 'Cargo.toml', 'Cargo.lock']) ? `${commit} with changes` : commit;
+}
+
+/** The name of a task's measurement and the options that make it. */
+export function asked({ set, mode, parts, rotate, most, laplacian, oracle }, all) {
+  const limit = most ? Math.min(most, all ?? most) : all;
+  const what = oracle ? `oracle-${laplacian}` : `parts-${parts}`;
+  const name = [set, mode, what, ...(rotate ? [`rotate-${rotate}`] : []), limit ? `limit-${limit}` : 'all'].join('_');
+  const operator = laplacian === 'default' ? [] : ['--laplacian', laplacian];
+  const how = oracle ? ['--oracle', ...operator] : ['--parts', parts];
+  const turned = rotate ? ['--rotate', rotate] : [];
+  return { name, options: ['--mode', mode, ...how, ...turned, ...(limit ? ['--limit', `${limit}`] : [])] };
+}
+
 /** Runs one measurement, unless this very program has done it before; resolves to its JSON. */
 function measure(folder, task, limit) {
-  const { set, mode, parts, laplacian, oracle } = task;
-  const program = createHash('sha256').update(readFileSync(nativeProgram)).digest('hex').slice(0, 12);
-  const name = [set, mode, oracle ? `oracle-${laplacian}` : `parts-${parts}`, limit ? `limit-${limit}` : 'all'].join('_');
-  const file = path.join(root, 'dist/evaluate', program, `${name}.json`);
+  const { name, options } = asked(task, limit);
+  const file = path.join(root, 'dist/evaluate', programHash(), `${name}.json`);
   if (!existsSync(file)) {
     say(name);
     mkdirSync(path.dirname(file), { recursive: true });
-    const operator = laplacian === 'default' ? [] : ['--laplacian', laplacian];
-    const how = oracle ? ['--oracle', ...operator] : ['--parts', parts];
-    const limited = limit ? ['--limit', limit] : [];
     // Moved when it is complete, so that a run that was stopped leaves nothing half-written.
-    const json = ['--json', `${file}.part`];
-    run(nativeProgram, ['evaluate', '--dataset', path.join(folder, set), '--mode', mode, ...how, ...limited, ...json]);
+    run(nativeProgram, ['evaluate', '--dataset', path.join(folder, task.set), ...options, '--json', `${file}.part`]);
     renameSync(`${file}.part`, file);
   }
   return { ...task, found: JSON.parse(readFileSync(file, 'utf8')) };
@@ -71,8 +89,9 @@ export function tables(measured) {
   const within = ['≤ 0.01', '≤ 0.02', '≤ 0.05'];
   const matches = measured
     .filter(({ oracle }) => !oracle)
-    .map(({ set, mode, parts, found }) => [
-      ...[set, mode, parts, found.pairs, number(found.age, 2), number(found.age_raw, 2), ...accuracies(found)],
+    .map(({ set, mode, parts, rotate, found }) => [
+      ...[set, rotate ? `${mode}, ${rotate}` : mode, parts, found.pairs],
+      ...[number(found.age, 2), number(found.age_raw, 2), ...accuracies(found)],
       ...[found.flips ?? '–', share(found.flipped_points), number(found.part_miou, 3), share(found.part_agreement)],
       ...[number(found.confidence_auc, 3), number(found.ece, 3)],
       ...[number(found.seconds_per_shape, 2), number(found.seconds_per_pair, 2)],
@@ -88,13 +107,12 @@ export function tables(measured) {
 }
 
 function page(measured, command) {
-  const commit = output('git', ['rev-parse', '--short', 'HEAD']) ?? 'unknown';
-  const changed = output('git', ['status', '--porcelain', '--', 'src', 'Cargo.toml', 'Cargo.lock']) ? ', with changes' : '';
   const [matches, oracles] = tables(measured);
   return `# Accuracy
 
-\`${command}\` at commit ${commit}${changed}. Data and protocol are those of the evaluation sets' README; errors are mean geodesic errors ×100/√area, "≤ ε" the share
-of points with an error of at most ε. Seconds were taken on ${os.cpus()[0]?.model ?? 'an unknown processor'}, ${os.availableParallelism()} pairs at a time.
+\`${command}\` at commit ${programCommit()}. Data and protocol are those of the evaluation sets' README; errors are mean geodesic errors
+×100/√area, "≤ ε" the share of points with an error of at most ε. In rows of so3 every shape was turned by a random rotation first. Seconds were taken on
+${os.cpus()[0]?.model ?? 'an unknown processor'}, ${os.availableParallelism()} pairs at a time.
 
 ${matches}
 

@@ -78,6 +78,9 @@ pub struct MatchOptions {
     /// Whether the match before refinement is kept beside the refined one, for measurements; not an option of the package.
     #[serde(skip)]
     pub raw: bool,
+    /// Whether the network's map stands, where one made without it would compete otherwise; for measurements too.
+    #[serde(skip)]
+    pub network_only: bool,
 }
 
 /// Where part labels come from.

@@ -371,7 +371,7 @@ async fn best_maps<D: Device>(
         candidates.push((sides, learned.maps, Some(learned.extra), model.weights().named()));
     }
     let without;
-    if familiarity.is_none_or(|at_home| at_home.is_of_others()) {
+    if familiarity.is_none_or(|at_home| at_home.is_of_others() && !options.network_only) {
         // Many steps on few points: a device would mostly wait.
         let maps = initial_maps(&Cpu, side_a, side_b, known, parts).await;
         without = sides.clone().map(|side| Matchable { parts: None, trust: None, ..side });

@@ -158,6 +158,7 @@ fn the_json_holds_the_promised_names_and_no_others() {
         "set",
         "mode",
         "refine",
+        "network_only",
         "parts",
         "rotate",
         "oracle",

@@ -106,6 +106,18 @@ fn weights_survive_their_file_and_damaged_ones_are_refused() {
     assert!(Weights::from_bytes(&poisoned).expect_err("refused").to_string().contains("not finite"));
 }
 
+/// A ring is nobody, so that a map made without the network would compete and is the better one.
+#[test]
+fn the_networks_map_stands_alone_where_that_is_asked_for() {
+    let ring = prepared(torus(1.0, 0.35, 60, 30).cloud().shape(), &options());
+    let weights = |network_only: bool| {
+        let options = MatchOptions { refine: Refinement::None, network_only, ..MatchOptions::default() };
+        match_shapes(&ring, &ring, &options, &mut Progress::silent()).expect("matched").weights
+    };
+    assert!(weights(false).is_null());
+    assert_eq!(weights(true), Model::embedded().weights().named());
+}
+
 /// Without parts the map knows features alone: whatever was predicted changes no match.
 #[test]
 fn parts_that_were_not_asked_for_change_nothing() {

@@ -12,7 +12,7 @@ use geose_fmap::train::losses::LossWeights;
 use geose_fmap::train::pool::{Pool, SampleConfig};
 use geose_fmap::train::run::{RunConfig, RunError, train};
 use geose_fmap::train::sample::Sample;
-use geose_fmap::{Model, ModelConfig, PrepareOptions, Progress, Shape, Weights, prepare};
+use geose_fmap::{LaplacianKind, Model, ModelConfig, PrepareOptions, Progress, Shape, Weights, prepare};
 use ndarray::Axis;
 use shapes::{Random, Soup, body};
 
@@ -170,6 +170,17 @@ fn the_loader_knows_parts_and_no_vertices() {
     same("gradients", &(a / largest), &(b / largest));
 }
 
+/// As L_orth takes them to be, so that features can be orthonormal.
+#[test]
+fn masses_of_a_sample_sum_to_1() {
+    for kind in [LaplacianKind::Geodesic, LaplacianKind::GeodesicLiteral] {
+        let inputs =
+            Sample::new(scan("man-lunging.ply", in_order), None, Some(kind), &samples()).expect("a sample").inputs;
+        let mass = inputs.projector.column(0).sum() / inputs.phi[(0, 0)];
+        assert!((mass - 1.0).abs() < 1e-3, "{kind:?}: {mass}");
+    }
+}
+
 /// Places are what the method finds by labels, and come with their points in any order: nothing but the mesh of the body and its labels goes in.
 #[test]
 fn places_are_found_by_part_labels() {
@@ -298,7 +309,7 @@ fn a_log_has_one_head_and_the_lines_of_one_run() {
 /// Both configurations survive the JSON that options are merged in.
 #[test]
 fn run_configurations_survive_their_json() {
-    for run in [RunConfig::default(), RunConfig::paper()] {
+    for run in [RunConfig::default(), RunConfig::paper(1500)] {
         let text = serde_json::to_string(&run).expect("JSON");
         assert_eq!(serde_json::from_str::<RunConfig>(&text).expect("read back"), run);
     }

@@ -3,7 +3,7 @@ import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { plan, tables } from '../evaluate.mjs';
+import { asked, plan, tables } from '../evaluate.mjs';
 
 const folder = mkdtempSync(path.join(tmpdir(), 'geose-sets-'));
 after(() => rmSync(folder, { recursive: true, force: true }));
@@ -33,6 +33,26 @@ test('every set is measured in the modes that its files allow', () => {
   ]);
 });
 
+test('one set is turned too, on 20 pairs at most', () => {
+  write('faust_r/shapes/a.off', '');
+  write('faust_r/pairs.txt', 'a a\n');
+  const turned = plan(folder).filter(({ rotate }) => rotate);
+  assert.deepEqual([...new Set(turned.map(({ set }) => set))], ['faust_r']);
+  const names = (all) => turned.map((task) => asked(task, all).name);
+  const named = (mode, pairs) => `faust_r_${mode}_parts-predicted_rotate-so3_limit-${pairs}`;
+  assert.deepEqual(names('40'), [named('mesh', 20), named('cloud', 20), named('mesh-cloud', 20)]);
+  assert.deepEqual(names(undefined), names('40'));
+  assert.equal(names('5')[0], named('mesh', 5));
+  const [{ options }] = turned.map((task) => asked(task, '40'));
+  assert.equal(options.join(' '), '--mode mesh --parts predicted --rotate so3 --limit 20');
+  rmSync(path.join(folder, 'faust_r'), { recursive: true });
+
+  assert.deepEqual(asked({ set: 'bodies', mode: 'cloud', laplacian: 'euclidean', oracle: true }, undefined), {
+    name: 'bodies_cloud_oracle-euclidean_all',
+    options: ['--mode', 'cloud', '--oracle', '--laplacian', 'euclidean'],
+  });
+});
+
 test('tables have a dash where a set has no data', () => {
   const nothing = { pairs: 0, age: null, age_raw: null, accuracy: null, flips: null, flipped_points: null };
   const more = { part_miou: null, part_agreement: null, seconds_per_shape: 0.514, seconds_per_pair: null };
@@ -40,9 +60,12 @@ test('tables have a dash where a set has no data', () => {
   const oracle = { pairs: 3, age: 1.256, accuracy: { 0.01: 0.5, 0.02: 0.8125, 0.05: 1 } };
   const [matches, oracles] = tables([
     { set: 'parts', mode: 'mesh', parts: 'none', oracle: false, found: { ...nothing, ...more, ...confidence } },
+    { set: 'turned', mode: 'mesh', parts: 'none', rotate: 'so3', oracle: false, found: { ...nothing, ...more, ...confidence } },
     { set: 'bodies', mode: 'cloud', laplacian: 'geodesic', oracle: true, found: oracle },
   ]);
-  assert.equal(matches.split('\n').at(-1), '| parts | mesh | none | 0 | – | – | – | – | – | – | – | – | – | 0.831 | – | 0.51 | – |');
+  const rows = matches.split('\n');
+  assert.match(rows.at(-1), /^\| turned \| mesh, so3 \| none \|/);
+  assert.equal(rows.at(-2), '| parts | mesh | none | 0 | – | – | – | – | – | – | – | – | – | 0.831 | – | 0.51 | – |');
   assert.equal(oracles.split('\n').at(-1), '| bodies | cloud | geodesic | 3 | 1.26 | 50.0 % | 81.3 % | 100.0 % |');
   for (const table of [matches, oracles]) {
     const columns = new Set(table.split('\n').map((row) => row.split('|').length));

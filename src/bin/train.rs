@@ -117,7 +117,7 @@ fn candidates(base: &RunConfig, changes: &str) -> Result<Vec<RunConfig>, Box<dyn
 
 fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     let (network, run) = match arguments.paper {
-        true => (ModelConfig::paper(), RunConfig::paper()),
+        true => (ModelConfig::paper(), RunConfig::paper(arguments.bodies)),
         false => (ModelConfig::shipped(), RunConfig::default()),
     };
     let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);

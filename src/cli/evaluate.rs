@@ -25,6 +25,9 @@ pub(super) struct Arguments {
     /// predicted, given or none.
     #[arg(long, default_value = "predicted", value_parser = parse::<Parts>)]
     parts: Parts,
+    /// Measures the network's maps also where maps made without it compete otherwise, as on animals.
+    #[arg(long, conflicts_with = "oracle")]
+    network_only: bool,
     /// A random rotation per shape: none, up (about --up, by default y) or so3.
     #[arg(long, default_value = "none", value_parser = parse::<Rotate>)]
     rotate: Rotate,
@@ -53,6 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         preparing: arguments.preparing.options(),
         parts: arguments.parts,
         refine: arguments.refine,
+        network_only: arguments.network_only,
         rotate: arguments.rotate,
         seed: arguments.running.seed,
         oracle: arguments.oracle,

@@ -93,6 +93,8 @@ pub struct Task {
     pub parts: Parts,
     /// How far matches are refined.
     pub refine: Refinement,
+    /// Whether the network's maps stand, however little it is at home with a pair.
+    pub network_only: bool,
     /// Which rotations shapes get; `up` is about `preparing.up`, by default y.
     pub rotate: Rotate,
     /// Seed of the rotations.
@@ -244,7 +246,7 @@ fn prepare_one(
 struct Measured {
     result: PairResult,
     accuracy: [f64; THRESHOLDS.len()],
-    same_part: Option<f64>,
+    part_agreement: Option<f64>,
     flipped_points: Option<f64>,
     /// One per line; none of an oracle, which has no doubts.
     judged: Vec<Judged>,
@@ -260,8 +262,9 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
         let stuck = |_| format!("{source} {target}: the least squares of the oracle do not converge");
         (found.map_err(|e| EvaluationError::NotMeasurable(stuck(e)))?, None, None)
     } else {
-        let (parts, refine) = (task.parts(), task.refine);
-        let options = MatchOptions { parts, refine, raw: refine != Refinement::None, ..Default::default() };
+        let &Task { refine, network_only, .. } = task;
+        let (parts, raw) = (task.parts(), refine != Refinement::None);
+        let options = MatchOptions { parts, refine, raw, network_only, ..Default::default() };
         let mut progress = Progress::silent();
         let matched = pollster::block_on(match_with(model, a, b, &options, &mut progress)).map_err(failed)?;
         (matched.a_to_b.target, Some(matched.a_to_b.confidence), matched.raw.map(|raw| raw.target))
@@ -276,8 +279,8 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
     Ok(Measured {
         result: PairResult { source: source.clone(), target: target.clone(), age: errors.age(), age_raw, flipped },
         accuracy: THRESHOLDS.map(|(_, threshold)| errors.accuracy(threshold)),
-        same_part: (task.parts() == Parts::Predicted && truth.vertex_of.is_none())
-            .then(|| same_part(a, b, &truth.lines))
+        part_agreement: (task.parts() == Parts::Predicted && truth.vertex_of.is_none())
+            .then(|| part_agreement(a, b, &truth.lines))
             .flatten(),
         flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
         judged,
@@ -296,7 +299,7 @@ fn part_iou(set: &DataSet, name: &str, shape: &PreparedShape) -> Result<Option<f
 }
 
 /// The share of lines whose two points have the same predicted part.
-fn same_part(a: &PreparedShape, b: &PreparedShape, lines: &[(u32, u32)]) -> Option<f64> {
+fn part_agreement(a: &PreparedShape, b: &PreparedShape, lines: &[(u32, u32)]) -> Option<f64> {
     let (of_a, of_b) = (a.predicted_parts()?, b.predicted_parts()?);
     mean(lines.iter().map(|&(i, j)| f64::from(u8::from(of_a[i as usize] == of_b[j as usize]))))
 }
@@ -325,6 +328,7 @@ fn summary(
         set: set.name(),
         mode: task.mode,
         refine: if task.oracle { Refinement::None } else { task.refine },
+        network_only: task.network_only,
         parts: task.parts(),
         rotate: task.rotate,
         oracle: task.oracle,
@@ -335,7 +339,7 @@ fn summary(
         flips: (!flipped.is_empty()).then(|| flipped.iter().filter(|&&flipped| flipped).count()),
         flipped_points: mean(measured.iter().filter_map(|m| m.flipped_points)),
         part_miou: mean(ious.into_iter()),
-        part_agreement: mean(measured.iter().filter_map(|m| m.same_part)),
+        part_agreement: mean(measured.iter().filter_map(|m| m.part_agreement)),
         confidence_auc: area_under_curve(&judged),
         ece: calibration_error(&judged),
         seconds_per_shape: mean(seconds_per_shape),

@@ -67,6 +67,7 @@ pub fn refit(
             preparing: PrepareOptions::default(),
             parts: Parts::Predicted,
             refine: Refinement::Best,
+            network_only: false,
             rotate: Rotate::None,
             seed: 0,
             oracle: false,

@@ -19,6 +19,8 @@ pub struct Evaluation {
     pub mode: Mode,
     /// How far matches were refined.
     pub refine: Refinement,
+    /// Whether the network's maps stood, however little it was at home.
+    pub network_only: bool,
     /// Where part labels came from.
     pub parts: Parts,
     /// Which rotations shapes got.
@@ -72,7 +74,10 @@ impl fmt::Display for Evaluation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let how = match self.oracle {
             true => "oracle".to_owned(),
-            false => format!("refine {}, parts {}", name(self.refine), name(self.parts)),
+            false => {
+                let alone = if self.network_only { ", the network's maps only" } else { "" };
+                format!("refine {}, parts {}{alone}", name(self.refine), name(self.parts))
+            }
         };
         let pairs = counted(self.pairs, "pair", "pairs");
         writeln!(f, "{}, mode {}, {how}, rotate {}: {pairs}", self.set, name(self.mode), name(self.rotate))?;

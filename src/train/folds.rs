@@ -66,7 +66,7 @@ pub fn cross_validate(
                 None => {
                     train(config, &run, pool, &place, None, f64::INFINITY)?;
                     let weights = Weights::from_bytes(&fs::read(place.join("weights.safetensors"))?)?;
-                    let score = score(&weights, pool, fold)?;
+                    let score = score(&weights, &run, pool, fold)?;
                     fs::write(&scored, score.to_string())?;
                     score
                 }
@@ -101,7 +101,7 @@ fn begin_anew_unless_same(place: &Path, settings: &Value) -> io::Result<()> {
 }
 
 /// Mean share of points of one part, over pairs of bodies of the fold.
-fn score(weights: &Weights, pool: &Pool, fold: Fold) -> Result<f64, RunError> {
+fn score(weights: &Weights, run: &RunConfig, pool: &Pool, fold: Fold) -> Result<f64, RunError> {
     let mut rng = ChaCha8Rng::seed_from_u64(fold.held as u64);
     let mut parameters = Parameters::from_weights(weights, rng.clone());
     let network: Network<Tensor> = Network::new(&weights.config, &mut parameters)?;
@@ -110,7 +110,7 @@ fn score(weights: &Weights, pool: &Pool, fold: Fold) -> Result<f64, RunError> {
     for _ in 0..PAIRS {
         let [a, b] = [0; 2].map(|_| held[rng.random_range(0..held.len())]);
         let pair = [&pool.get(a)?, &pool.get(b)?];
-        sum += Forward::new(&network, pair, &mut rng)?.same_part(pair)?;
+        sum += Forward::new(&network, run, pair, &mut rng)?.same_part(pair)?;
     }
     Ok(sum / PAIRS as f64)
 }

@@ -199,26 +199,30 @@ fn semantic(soft: &Tensor, of_rows: &Tensor, of_columns: &Tensor) -> Result<Tens
 /// L_geo, with the columns of F as its "eigenvector-aligned embeddings": the i-th column should be an eigenfunction of the i-th eigenvalue. Written on
 /// coefficients, where L is diagonal: Σ_i ω_i Σ_j (λ_j − λ_i)² G_ji², ω_i = exp(−i/10). What F holds outside the basis is not seen.
 fn eigen(side: &Side) -> Result<Tensor> {
-    let k = side.lambda.len();
-    let coefficients = side.projector.t()?.matmul(side.features)?;
-    let columns = coefficients.dims()[1].min(k);
-    let weight = Array2::from_shape_fn((k, columns), |(j, i)| {
+    let g = leading_features(side)?;
+    let weight = Array2::from_shape_fn(g.dims2()?, |(j, i)| {
         let apart = side.lambda[j] - side.lambda[i];
         ((-(i as f64) / 10.0).exp() * apart * apart) as f32
     });
-    (coefficients.narrow(1, 0, columns)?.sqr()? * tensor(weight.view()))?.sum_all()
+    (g.sqr()? * tensor(weight.view()))?.sum_all()
 }
 
-/// L_orth: the first k columns of F orthonormal under the mass, column i weighing 1/i.
+/// L_orth: the first k columns of √f F orthonormal under the mass, column i weighing 1/i.
 fn features_orthogonal(side: &Side) -> Result<Tensor> {
-    let k = side.lambda.len();
-    let coefficients = side.projector.t()?.matmul(side.features)?;
-    let columns = coefficients.dims()[1].min(k);
-    let g = coefficients.narrow(1, 0, columns)?;
+    let g = leading_features(side)?;
+    let columns = g.dims()[1];
     let gram = g.t()?.matmul(&g)?;
     let weight = Array2::from_shape_fn((columns, columns), |(i, _)| 1.0 / (i + 1) as f32);
     let apart = (gram - tensor(Array2::eye(columns).view()))?.sqr()?;
     (apart * tensor(weight.view()))?.sum_all()
+}
+
+/// Coefficients (k, ≤ k) of the leading columns of √f F, G for L_geo and L_orth. Not so in the paper: rows of our F are of unit length and masses sum to 1, so
+/// tr FᵀMF = 1, and no two columns of F could be orthonormal. Entries of √f F have mean square 1, like those of eigenfunctions.
+fn leading_features(side: &Side) -> Result<Tensor> {
+    let coefficients = side.projector.t()?.matmul(side.features)?;
+    let (k, f) = coefficients.dims2()?;
+    coefficients.narrow(1, 0, f.min(k))?.affine((f as f64).sqrt(), 0.0)
 }
 
 /// Labels as one-hot rows.
@@ -235,4 +239,30 @@ pub fn part_accuracy(logits: ArrayView2<f32>, labels: &[u32]) -> f64 {
         best == Some(**label as usize)
     });
     right.count() as f64 / labels.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+
+    use super::{Side, eigen, features_orthogonal, tensor};
+
+    #[test]
+    fn features_of_unit_length_can_be_eigenfunctions() {
+        // Four points of a quarter of the mass each, eigenfunctions Φ = 2 I.
+        let [features, phi, projector] = [1.0, 2.0, 0.5].map(|scale| tensor((Array2::eye(4) * scale).view()));
+        let lambda = [0.0, 1.0, 2.0, 3.0];
+        let side = Side {
+            features: &features,
+            logits: &features,
+            labels: &features,
+            phi: &phi,
+            projector: &projector,
+            lambda: &lambda,
+            places: None,
+        };
+        for loss in [eigen(&side), features_orthogonal(&side)] {
+            assert_eq!(loss.and_then(|loss| loss.to_scalar::<f32>()).expect("a number"), 0.0);
+        }
+    }
 }

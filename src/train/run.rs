@@ -46,6 +46,8 @@ pub struct RunConfig {
     pub clip: f32,
     /// Step from which functional maps count.
     pub maps_from: usize,
+    /// Eigenfunctions that functional maps, L_geo and L_orth see at most.
+    pub map: usize,
     /// What is minimised.
     pub losses: LossWeights,
     /// Of parameters and pairs.
@@ -77,6 +79,7 @@ impl Default for RunConfig {
             decay: 1e-4,
             clip: 1.0,
             maps_from: 300,
+            map: 60,
             losses: LossWeights::default(),
             seed: 1,
         }
@@ -84,16 +87,19 @@ impl Default for RunConfig {
 }
 
 impl RunConfig {
-    /// The paper's: Adam 1e-3 halved every 50 of 100 epochs, batches of 8.
-    pub fn paper() -> Self {
+    /// The paper's: k = 120, Adam 1e-3 halved every 50 of 100 epochs, batches of 8. In an epoch every one of `bodies` is seen once, on average.
+    pub fn paper(bodies: usize) -> Self {
+        let batch = 8;
         Self {
-            batch: 8,
+            steps: (100 * bodies).div_ceil(2 * batch),
+            batch,
             rate: 1e-3,
             schedule: Schedule::Halved,
             warm_up: 0,
             decay: 0.0,
             clip: f32::MAX,
             maps_from: 0,
+            map: 120,
             name: "paper".to_owned(),
             losses: LossWeights::paper(),
             ..Self::default()
@@ -218,7 +224,7 @@ pub fn train(
         let mut total = None;
         for _ in 0..run.batch {
             let pair = [&pool.get(drawn(bodies, run.fold, &mut rng))?, &pool.get(drawn(bodies, run.fold, &mut rng))?];
-            let forward = Forward::new(&network, pair, &mut rng)?;
+            let forward = Forward::new(&network, run, pair, &mut rng)?;
             let terms = forward.losses(&run.losses, step >= run.maps_from)?;
             for (name, weight, term) in terms {
                 log.add(name, f64::from(term.to_scalar::<f32>()?));

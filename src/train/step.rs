@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::device::{Autodiff, matrix, tensor};
 use super::losses::{LossWeights, Side, Terms, functional_maps, losses, one_hot};
+use super::run::RunConfig;
 use super::sample::Sample;
 use crate::device::{Cpu, Device};
 use crate::model::Network;
@@ -14,8 +15,6 @@ use crate::parts::PARTS;
 
 /// Key points that attention looks at in training.
 const KEYS: usize = 512;
-/// Basis size of functional maps in training.
-const MAP: usize = 60;
 
 /// Both shapes of a pair after the forward pass.
 pub struct Forward {
@@ -30,26 +29,32 @@ pub struct Forward {
 
 impl Forward {
     /// Features and parts of both.
-    pub fn new(network: &Network<Tensor>, pair: [&Sample; 2], rng: &mut ChaCha8Rng) -> candle_core::Result<Self> {
+    pub fn new(
+        network: &Network<Tensor>,
+        run: &RunConfig,
+        pair: [&Sample; 2],
+        rng: &mut ChaCha8Rng,
+    ) -> candle_core::Result<Self> {
         let device = Autodiff;
         let on = pair.map(|sample| sample.inputs.upload(&device));
         let [a, b] = [0, 1].map(|side: usize| network.embed(&device, &on[side]));
-        let probabilities = [&a, &b].map(|e| device.softmax_rows(&e.logits.detach()));
-        let keys = [&a, &b].into_iter().zip(&probabilities).map(|(e, p)| {
+        let labels = pair.map(|sample| tensor(one_hot(&sample.labels, PARTS.len()).view()));
+        let masks = [mask(&run.losses, &a.logits, &labels[0]), mask(&run.losses, &b.logits, &labels[1])];
+        let keys = [&a, &b].into_iter().zip(&masks).map(|(e, p)| {
             let n = p.dims()[0];
             let rows: Vec<u32> = sample_rows(rng, n, KEYS.min(n)).into_iter().map(|i| i as u32).collect();
             (device.gather(&e.features, &rows), device.gather(p, &rows))
         });
         let keys: Vec<_> = keys.collect();
         let features = [
-            network.compare(&device, (&a.features, &probabilities[0]), (&keys[1].0, &keys[1].1)),
-            network.compare(&device, (&b.features, &probabilities[1]), (&keys[0].0, &keys[0].1)),
+            network.compare(&device, (&a.features, &masks[0]), (&keys[1].0, &keys[1].1)),
+            network.compare(&device, (&b.features, &masks[1]), (&keys[0].0, &keys[0].1)),
         ];
-        let k = MAP.min(pair[0].inputs.lambda.nrows()).min(pair[1].inputs.lambda.nrows());
+        let k = run.map.min(pair[0].inputs.lambda.nrows()).min(pair[1].inputs.lambda.nrows());
         Ok(Self {
             features,
             logits: [a.logits, b.logits],
-            labels: pair.map(|sample| tensor(one_hot(&sample.labels, PARTS.len()).view())),
+            labels,
             phi: [0, 1].map(|side: usize| device.leading_columns(&on[side].phi, k)),
             projector: [0, 1].map(|side: usize| device.leading_columns(&on[side].projector, k)),
             lambda: pair.map(|sample| sample.inputs.lambda.column(0).iter().take(k).map(|&l| f64::from(l)).collect()),
@@ -87,5 +92,25 @@ impl Forward {
         let (to_b, _) = Cpu.nearest_rows(&a_in_b, &matrix(&self.phi[1]), None);
         let kept = to_b.iter().zip(&pair[0].labels).filter(|&(&j, label)| pair[1].labels[j as usize] == *label);
         Ok(kept.count() as f64 / pair[0].labels.len() as f64)
+    }
+}
+
+/// Probabilities of parts that attention masks with: predicted ones as in matching, or where nothing teaches the network parts given labels, as in the paper.
+fn mask(losses: &LossWeights, logits: &Tensor, labels: &Tensor) -> Tensor {
+    if losses.parts > 0.0 { Autodiff.softmax_rows(&logits.detach()) } else { labels.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::array;
+
+    use super::{Autodiff, Device, LossWeights, mask, matrix, tensor};
+
+    #[test]
+    fn attention_masks_with_labels_unless_parts_are_learned() {
+        let (logits, labels) = (tensor(array![[0.5, -2.0]].view()), tensor(array![[0.0, 1.0]].view()));
+        let of = |losses: LossWeights| matrix(&mask(&losses, &logits, &labels));
+        assert_eq!(of(LossWeights::paper()), matrix(&labels));
+        assert_eq!(of(LossWeights::default()), matrix(&Autodiff.softmax_rows(&logits)));
     }
 }
