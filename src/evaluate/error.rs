@@ -37,6 +37,7 @@ pub enum EvaluationError {
     #[error("{0}")]
     NotMeasurable(String),
     /// Constants of confidence that were not found.
+    #[cfg(feature = "train")]
     #[error("the fit of {to} did not converge: step {iterations} still changed a coefficient by {last_step:.1e}")]
     NotFitted {
         /// What they were fitted to.
