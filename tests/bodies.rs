@@ -3,13 +3,16 @@
 
 use std::path::Path;
 
-use geose_fmap::read;
+use geose_fmap::train::atlas::Atlas;
 use geose_fmap::train::bodies::BodyModel;
 use geose_fmap::train::bodies::held_out::{HeldOut, write_set};
 use geose_fmap::train::bodies::parts::PARTS;
 use geose_fmap::train::bodies::pose::{Arm, Pose};
 use geose_fmap::train::bodies::scan::ScanOptions;
 use geose_fmap::train::bodies::shape_mixture::Person;
+use geose_fmap::train::pool::{ATLAS_POINTS, Maker, SampleConfig};
+use geose_fmap::{Model, PrepareOptions, Progress, prepare, read};
+use ndarray::ArrayView1;
 
 fn model() -> BodyModel {
     let folder = std::env::var_os("GEOSE_BODY_DATA").expect("GEOSE_BODY_DATA names a folder");
@@ -100,4 +103,32 @@ fn bodies_that_scores_are_measured_on_stay_as_they_are() {
     ];
     let found: Vec<[u64; 3]> = names.iter().map(sums).collect();
     assert_eq!(found, known, "{found:x?}");
+}
+
+/// Also on mirrored bodies, whose left is the right of the body that places were found on.
+#[test]
+#[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]
+fn places_lie_in_the_part_that_labels_say() {
+    let model = model();
+    let template = model.template(5000).expect("body data");
+    let neutral = model.body(&Person::default(), &Pose::default()).expect("body data");
+    let (standing, _) = model.clean_scan(&neutral, ATLAS_POINTS).expect("body data");
+    let options = PrepareOptions::default();
+    let scale = prepare(standing.clone(), None, &options, &mut Progress::silent()).expect("prepared").info.scale;
+    let teacher = Model::embedded().weights();
+    let atlas = Atlas::new(standing.clone(), Model::new(teacher.clone()).expect("a model")).expect("an atlas");
+    let config = SampleConfig { teacher: Some(teacher.named()), ..SampleConfig::of(&teacher.config, 1500) };
+    let maker = Maker { model: &model, template: &template, atlas: Some(&atlas), config: &config };
+    for seed in 0..6 {
+        let sample = maker.sample(seed).expect("a sample");
+        let places = sample.places.expect("places");
+        let part = |place: ArrayView1<f32>| {
+            let apart = |p: &[f64; 3]| (0..3).map(|c| (p[c] / scale - f64::from(place[c])).powi(2)).sum::<f64>();
+            let nearest = standing.points().iter().enumerate().min_by(|(_, p), (_, q)| apart(p).total_cmp(&apart(q)));
+            standing.labels().expect("labels")[nearest.expect("points").0]
+        };
+        let same = places.rows().into_iter().zip(&sample.labels).filter(|(place, label)| part(*place) == **label);
+        let share = same.count() as f64 / sample.labels.len() as f64;
+        assert!(share > 0.95, "{seed}: {share}");
+    }
 }

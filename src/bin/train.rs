@@ -121,12 +121,12 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
         false => (ModelConfig::shipped(), RunConfig::default()),
     };
     let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);
-    let weights = |path: Option<&PathBuf>| -> Result<Option<Weights>, Box<dyn std::error::Error>> {
-        let bytes = path.map(fs::read).transpose()?;
+    let weights = |path: &Option<PathBuf>| -> Result<Option<Weights>, Box<dyn std::error::Error>> {
+        let bytes = path.as_ref().map(fs::read).transpose()?;
         Ok(bytes.map(|bytes| Weights::from_bytes(&bytes)).transpose()?)
     };
-    let (start, teacher) =
-        (weights(arguments.start.as_ref().or(arguments.teacher.as_ref()))?, weights(arguments.teacher.as_ref())?);
+    let teacher = weights(&arguments.teacher)?;
+    let start = weights(&arguments.start)?.or_else(|| teacher.clone());
     let samples = SampleConfig {
         laplacian: arguments.laplacian,
         teacher: teacher.as_ref().map(Weights::named),
