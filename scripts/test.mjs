@@ -15,7 +15,7 @@ import { presentBodyData } from './train.mjs';
 import { buildWasm } from './wasm.mjs';
 
 /** Where data lies that is not part of the crate: variables that the ignored tests name. */
-const DATA = ['GEOSE_EVAL_DIR', 'GEOSE_BODY_DATA'];
+export const DATA = ['GEOSE_EVAL_DIR', 'GEOSE_BODY_DATA'];
 
 /** Each makes what it needs and resolves to `{ passed, failed, skipped }`, and what is to be remarked, if anything. */
 const SUITES = {
@@ -50,12 +50,12 @@ async function testCrate() {
   return { ...counts, remarks };
 }
 
-/** Integration tests of which some are ignored because they read what `variable` names. */
-function readersOf(variable) {
+/** Integration tests of which some, in the file of that name or in its folder, are ignored because they read what `variable` names. */
+export function readersOf(variable) {
   const folder = path.join(root, 'tests');
-  const files = readdirSync(folder).filter((name) => name.endsWith('.rs'));
+  const files = readdirSync(folder, { recursive: true }).filter((name) => name.endsWith('.rs'));
   const reads = (name) => readFileSync(path.join(folder, name), 'utf8').includes(`: set ${variable} and pass`);
-  return files.filter(reads).map((name) => path.basename(name, '.rs'));
+  return [...new Set(files.filter(reads).map((name) => name.split(path.sep)[0].replace(/\.rs$/, '')))].sort();
 }
 
 /** The crate in a real browser, without WebGPU and with it. Release builds, because the module has already made their dependencies. */

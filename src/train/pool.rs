@@ -1,6 +1,7 @@
 //! The bodies that training draws from: made once, kept on disk, the same for every run of a seed.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -26,6 +27,8 @@ pub struct Pool {
     folder: PathBuf,
     /// How many there will be.
     pub count: usize,
+    /// Why no more are made, once that is so.
+    failure: OnceLock<String>,
 }
 
 /// What decides how the body of a seed becomes a sample. A folder of samples remembers it.
@@ -76,28 +79,31 @@ impl Pool {
             }
             Err(_) => fs::write(file, serde_json::to_vec_pretty(config)?)?,
         }
-        Ok(Self { folder: folder.to_owned(), count })
+        Ok(Self { folder: folder.to_owned(), count, failure: OnceLock::new() })
     }
 
     fn path(&self, index: usize) -> PathBuf {
         self.folder.join(format!("{index:06}.sample"))
     }
 
-    /// Sample `index`; waits until it was made.
+    /// Sample `index`; waits until it was made, unless making one has failed.
     pub fn get(&self, index: usize) -> io::Result<Sample> {
         let path = self.path(index);
         for _ in 0..36_000 {
             if path.exists() {
                 return Sample::load(&path);
             }
+            if let Some(failure) = self.failure.get() {
+                return Err(io::Error::other(failure.clone()));
+            }
             thread::sleep(Duration::from_millis(50));
         }
         Err(io::Error::new(io::ErrorKind::TimedOut, format!("{} was not made within half an hour", path.display())))
     }
 
-    /// Makes what is missing, in order, on the threads that call; `next` is where they agree on who makes what.
+    /// Makes what is missing, in order, on the threads that call; `next` is where they agree on who makes what. The first failure ends all of them.
     pub fn fill(&self, maker: &Maker, next: &AtomicUsize, stop: &AtomicBool) {
-        while !stop.load(Ordering::Relaxed) {
+        while !stop.load(Ordering::Relaxed) && self.failure.get().is_none() {
             let index = next.fetch_add(1, Ordering::Relaxed);
             if index >= self.count {
                 return;
@@ -105,22 +111,25 @@ impl Pool {
             if self.path(index).exists() {
                 continue;
             }
-            let mut seed = index as u64;
-            loop {
-                match maker.sample(seed).map(|sample| sample.save(&self.path(index))) {
-                    Ok(Ok(())) => break,
-                    Ok(Err(error)) => return eprintln!("{}: {error}", self.path(index).display()),
-                    // A body that cannot be used: another one of a seed that no index has.
-                    Err(error) => {
-                        eprintln!("body {seed}: {error}");
-                        seed += HELD_OUT_SEEDS / 8;
-                        if seed >= HELD_OUT_SEEDS {
-                            return;
-                        }
-                    }
-                }
+            if let Err(failure) = self.make(maker, index) {
+                eprintln!("{failure}");
+                let _ = self.failure.set(failure);
             }
         }
+    }
+
+    /// Makes sample `index`. For a body that cannot be used another one of a seed that no index has.
+    fn make(&self, maker: &Maker, index: usize) -> Result<(), String> {
+        for seed in (index as u64..HELD_OUT_SEEDS).step_by(HELD_OUT_SEEDS as usize / 8) {
+            match maker.sample(seed) {
+                Ok(sample) => {
+                    let path = self.path(index);
+                    return sample.save(&path).map_err(|error| format!("{}: {error}", path.display()));
+                }
+                Err(error) => eprintln!("body {seed}: {error}"),
+            }
+        }
+        Err(format!("no body could be used for sample {index}"))
     }
 }
 
