@@ -127,6 +127,14 @@ impl OptionError {
         }
     }
 
+    pub(crate) fn no_shared_labels() -> Self {
+        Self {
+            code: "no-shared-labels",
+            message: "parts are to be as given, but no label of scan A occurs on scan B".to_owned(),
+            details: json!({}),
+        }
+    }
+
     pub(crate) fn landmark(index: u32, scan: &str, points: usize) -> Self {
         Self {
             code: "invalid-option",
@@ -138,7 +146,7 @@ impl OptionError {
     pub(crate) fn landmark_twice(index: u32, scan: &str) -> Self {
         Self {
             code: "invalid-option",
-            message: format!("two landmarks name point {index} of scan {scan}, which has one partner"),
+            message: format!("landmarks give point {index} of scan {scan} two partners"),
             details: json!({ "index": index, "scan": scan }),
         }
     }

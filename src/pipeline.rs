@@ -6,7 +6,7 @@ use std::ops::Range;
 use ndarray::{Array2, Axis as Along, concatenate};
 
 use crate::device::{Cpu, Device, Fallback, Interrupted, still_well};
-use crate::doubts::{UNTRAINED, doubts, verdict, warnings};
+use crate::doubts::{UNTRAINED, contradicted, doubts, labelled_otherwise, verdict, warnings};
 use crate::error::Error;
 use crate::features::ShapeInputs;
 use crate::fmap::{
@@ -281,6 +281,9 @@ pub(crate) async fn match_with_cues<D: Device>(
     };
     let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
     let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
+    if parts.is_some_and(|(of_a, of_b)| shared(of_a, of_b).is_empty()) {
+        return Err(OptionError::no_shared_labels().into());
+    }
     let sides = [a, b].map(|shape| {
         let trust = shape.embedding.as_ref().and_then(|embedding| model.trust(embedding));
         Matchable { trust, ..shape.matchable() }
@@ -307,9 +310,15 @@ pub(crate) async fn match_with_cues<D: Device>(
     let untrained = familiarity.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
     warnings.extend(familiarity.and_then(|at_home| verdict(at_home, weights.is_null())));
+    if let (Some((of_a, of_b)), Some(on_a), Some(on_b)) = (parts, &a.embedding, &b.embedding)
+        && familiarity.is_some_and(|at_home| !at_home.is_of_others())
+    {
+        warnings.extend(labelled_otherwise([of_a, of_b], [&on_a.parts, &on_b.parts]));
+    }
     warnings.extend(doubts(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) =
         (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
+    warnings.extend(contradicted(&options.landmarks, [a, b], [&a_to_b, &b_to_a]));
     for &[i, j] in &options.landmarks {
         a_to_b.set(i, j);
         b_to_a.set(j, i);
@@ -491,9 +500,14 @@ fn landmarks(
 
 /// The parts that both shapes have, as functions on both sides.
 fn parts_in_common(side_a: &Matchable, of_a: &[u32], side_b: &Matchable, of_b: &[u32]) -> Functions {
-    let labels = |of: &[u32]| of.iter().copied().collect::<BTreeSet<u32>>();
-    let shared = labels(of_a).intersection(&labels(of_b)).copied().collect();
+    let shared = shared(of_a, of_b);
     (part_functions(&side_a.basis, of_a, &shared), part_functions(&side_b.basis, of_b, &shared))
+}
+
+/// The labels that occur on both shapes.
+fn shared(of_a: &[u32], of_b: &[u32]) -> BTreeSet<u32> {
+    let labels = |of: &[u32]| of.iter().copied().collect::<BTreeSet<u32>>();
+    &labels(of_a) & &labels(of_b)
 }
 
 /// All columns together; `None` without any.

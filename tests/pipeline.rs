@@ -6,6 +6,8 @@
 mod blocks;
 #[path = "pipeline/crumbs.rs"]
 mod crumbs;
+#[path = "pipeline/doubts.rs"]
+mod doubts;
 #[path = "pipeline/large_meshes.rs"]
 mod large_meshes;
 #[path = "pipeline/maps.rs"]

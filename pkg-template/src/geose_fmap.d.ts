@@ -1,6 +1,6 @@
 // What wasm-pack puts into geose_fmap.js, typed as tightly as the crate promises it. All of it but the GPU is synchronous; a typed
 // error is a plain `{ code, message, details }`, anything else thrown is a trap.
-import type { Device as DeviceInfo, Laplacian, LaplacianKind, Match, Spectrum, Stage } from './results.js';
+import type { Device as DeviceInfo, Laplacian, LaplacianKind, Match, SolvedSpectrum, Stage } from './results.js';
 import type { MatcherOptions, MatchOptions, PrepareOptions } from './options.js';
 
 type Bytes = Uint8Array<ArrayBuffer>;
@@ -50,7 +50,7 @@ export function spectrum(
   mass: Float64Array,
   options: { eigenpairs?: number | undefined },
   progress: Progress,
-): Spectrum;
+): SolvedSpectrum;
 export function version(): string;
 /** Size of the wasm memory. */
 export function memory_bytes(): number;

@@ -32,7 +32,9 @@ export {
   type Parts,
   type Repair,
   type ShapeInfo,
+  type SolvedSpectrum,
   type Spectrum,
+  type SpectrumReport,
   type Stage,
   type StageSeconds,
 } from './results.js';

@@ -23,7 +23,9 @@ export function sourceOf(input: ShapeInput, { name, format }: ReadOptions): Sour
 
 /** A private copy of a Laplacian's arrays. */
 export function laplacianOf(input: Omit<Laplacian, 'kind'>): Calls['spectrum']['ask']['laplacian'] {
-  if (!isObject(input)) throw wrong('the laplacian', '{ indptr, indices, values, mass }', input);
+  if (!isObject(input) || !('indptr' in input)) {
+    throw wrong('the laplacian', 'what matcher.laplacian() gives, { indptr, indices, values, mass }', input);
+  }
   const { indptr, indices, values, mass } = input;
   for (const [what, array] of Object.entries({ indptr, indices })) {
     if (!is<Uint32Array>(array, 'Uint32Array')) throw wrong(what, 'a Uint32Array', array);
@@ -46,12 +48,45 @@ export function optionsOf<T extends CallOptions>(options: T | undefined): { call
   if (signal !== undefined && !is<AbortSignal>(signal, 'AbortSignal')) throw wrong('signal', 'an AbortSignal', signal);
   if (onProgress !== undefined && typeof onProgress !== 'function') throw wrong('onProgress', 'a function', onProgress);
   const given = Object.entries(others).filter(([, value]) => value !== undefined);
+  let rest: Omit<T, keyof CallOptions>;
   try {
-    return { call: { signal, onProgress }, rest: structuredClone(Object.fromEntries(given)) as Omit<T, keyof CallOptions> };
+    rest = structuredClone(Object.fromEntries(given)) as Omit<T, keyof CallOptions>;
   } catch (cause) {
     throw new GeoSeError('invalid-argument', `the options must be plain data: ${given.map(([key]) => key).join(', ')}`, {}, { cause });
   }
+  for (const [option, value] of Object.entries(rest)) {
+    const [wanted, fits] = Object.hasOwn(OPTIONS, option) ? OPTIONS[option as keyof typeof OPTIONS] : ANYTHING;
+    if (fits(value)) continue;
+    const got = shown(value);
+    throw new GeoSeError('invalid-option', `${option} must be ${wanted}, not ${got}`, { option, wanted, got });
+  }
+  return { call: { signal, onProgress }, rest };
 }
+
+type Check = readonly [wanted: string, fits: (value: unknown) => boolean];
+
+const oneOf = (...values: readonly string[]): Check => [
+  values.map((value) => `'${value}'`).join(' or '),
+  (value) => (values as readonly unknown[]).includes(value),
+];
+const isPair = (value: unknown): boolean => Array.isArray(value) && value.length === 2 && value.every(isIndex);
+const COUNT: Check = ['a whole number', Number.isSafeInteger];
+const LAPLACIAN = oneOf('geodesic', 'geodesic-literal', 'euclidean', 'cotangent');
+/** Names that nobody knows are the matcher's to refuse. */
+const ANYTHING: Check = ['anything', () => true];
+
+/** What each option can be. Whether a number is in range is the matcher's to say. */
+const OPTIONS = {
+  points: COUNT,
+  eigenpairs: COUNT,
+  faces: oneOf('use', 'ignore'),
+  laplacian: LAPLACIAN,
+  kind: LAPLACIAN,
+  up: oneOf('x', 'y', 'z'),
+  parts: oneOf('predicted', 'given', 'none'),
+  refine: oneOf('best', 'zoomout', 'none'),
+  landmarks: ['pairs of indices, [[point of a, point of b], …]', (value) => Array.isArray(value) && value.every(isPair)],
+} satisfies Record<string, Check>;
 
 /** A typo would otherwise be a silent default. */
 export function nothingElse(what: string, rest: object, known: readonly string[]): void {
@@ -62,9 +97,13 @@ export function nothingElse(what: string, rest: object, known: readonly string[]
 
 /** The error for an argument of the wrong type. */
 export function wrong(what: string, wanted: string, found: unknown): GeoSeError {
-  const got = isObject(found) ? tagOf(found) : typeof found === 'string' ? JSON.stringify(found.slice(0, 40)) : String(found);
+  const got = shown(found);
   return new GeoSeError('invalid-argument', `${what} must be ${wanted}, not ${got}`, { argument: what, wanted, got });
 }
+
+/** A value in a sentence: an object by its type. */
+const shown = (value: unknown): string =>
+  isObject(value) ? tagOf(value) : typeof value === 'string' ? JSON.stringify(value.slice(0, 40)) : String(value);
 
 /** A copy; of a detached buffer there is none, and of a huge one perhaps not. */
 function copied<T>(what: string, copy: () => T): T {

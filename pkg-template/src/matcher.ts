@@ -13,7 +13,7 @@ import type {
 } from './options.js';
 import { blockOf, PreparedShape, preparedFrom } from './prepared.js';
 import { buffersOf, type Prepared, type Source } from './protocol.js';
-import type { Device, Laplacian, Match, Spectrum, Stage } from './results.js';
+import type { Device, Laplacian, Match, SolvedSpectrum, Stage } from './results.js';
 import { spawner } from './thread.js';
 import { compile } from './wasm.js';
 
@@ -80,8 +80,8 @@ export class Matcher {
     return this.#host.run<'laplacian'>({ name: 'laplacian', source, options: others }, call, buffersOf(source));
   }
 
-  /** The smallest eigenpairs of a Laplacian under its mass. */
-  async spectrum(laplacian: Omit<Laplacian, 'kind'>, options?: SpectrumOptions): Promise<Spectrum> {
+  /** The smallest eigenpairs of a Laplacian under its mass. For some hundreds of them: thousands take minutes. */
+  async spectrum(laplacian: Omit<Laplacian, 'kind'>, options?: SpectrumOptions): Promise<SolvedSpectrum> {
     const { call, rest } = optionsOf(options);
     const copy = laplacianOf(laplacian);
     return this.#host.run<'spectrum'>({ name: 'spectrum', laplacian: copy, options: rest }, call, buffersOf(copy));

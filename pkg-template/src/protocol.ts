@@ -1,6 +1,6 @@
 import type { ErrorDetails } from './error.js';
 import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions, Progress, ReadOptions, SpectrumOptions } from './options.js';
-import type { Device, Laplacian, Match, Spectrum, Stage } from './results.js';
+import type { Device, Laplacian, Match, SolvedSpectrum, Stage } from './results.js';
 
 /** A shape on its way into the worker. */
 export type Source =
@@ -27,7 +27,7 @@ export interface Calls {
     answer: Uint8Array<ArrayBuffer>;
   };
   laplacian: { ask: { source: Source | Prepared; options: Pick<LaplacianOptions, 'kind'> }; answer: Laplacian };
-  spectrum: { ask: { laplacian: Omit<Laplacian, 'kind'>; options: Pick<SpectrumOptions, 'eigenpairs'> }; answer: Spectrum };
+  spectrum: { ask: { laplacian: Omit<Laplacian, 'kind'>; options: Pick<SpectrumOptions, 'eigenpairs'> }; answer: SolvedSpectrum };
   match: {
     ask: { a: Prepared['block']; b: Prepared['block']; options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'> };
     answer: Match;

@@ -93,8 +93,8 @@ export interface Geometry {
 }
 
 /**
- * Body parts of every uploaded point. Labels that came with the scan, each below 256, go before what the network predicts; points that take no part
- * in the matching have the prediction of the one that stands for them.
+ * Body parts of every uploaded point. Labels that came with the scan, each below 256, go before what the network predicts, and hide it: prepare the scan
+ * without labels to see it. Points that take no part in the matching have the prediction of the one that stands for them.
  */
 export interface Parts {
   /** (n): index into `names`; of predicted parts the likeliest. */
@@ -129,6 +129,25 @@ export interface Spectrum {
   eigenvectors: Float64Array<ArrayBuffer>;
   /** (n): area per point; for `'geodesic-literal'` 1 each. */
   mass: Float64Array<ArrayBuffer>;
+}
+
+/** How eigenpairs were found, and how good they are. */
+export interface SpectrumReport {
+  /** Solves with the factorised matrix, in blocks. */
+  readonly applications: number;
+  /** Restarts of the iteration. */
+  readonly restarts: number;
+  /** Largest residual, relative to the largest eigenvalue. */
+  readonly residual: number;
+  /** Connected pieces, each with an eigenvalue 0 of its own. */
+  readonly pieces: number;
+  /** Whether it was proved that no eigenvalue in between is missing. */
+  readonly complete: boolean;
+}
+
+/** A spectrum just computed. */
+export interface SolvedSpectrum extends Spectrum {
+  report: SpectrumReport;
 }
 
 /** A linear map between the spectral bases of two shapes: functions on the first → functions on the second. */

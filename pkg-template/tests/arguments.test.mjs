@@ -105,6 +105,22 @@ describe('wrong arguments are typed errors', () => {
     ]) {
       assert.match(await codeOf(matcher.prepare(SMALL, options)), /option/, inspect(options));
     }
+    for (const [options, sentence] of [
+      [{ points: 1.5 }, 'points must be a whole number, not 1.5'],
+      [{ up: 'w' }, `up must be 'x' or 'y' or 'z', not "w"`],
+    ]) {
+      await assert.rejects(matcher.prepare(SMALL, options), { code: 'invalid-option', message: sentence });
+    }
+    for (const landmarks of [[1, 2], [[-1, 0]], [[0, 1, 2]], {}]) {
+      await assert.rejects(matcher.match(shape, shape, { landmarks }), {
+        code: 'invalid-option',
+        message: /^landmarks must be pairs of indices/,
+      });
+    }
+    await assert.rejects(matcher.spectrum(shape), {
+      code: 'invalid-argument',
+      message: /what matcher.laplacian\(\) gives/,
+    });
     const circle = {};
     circle.points = circle;
     assert.match(await codeOf(matcher.prepare(SMALL, circle)), /option/);

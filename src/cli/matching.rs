@@ -2,7 +2,7 @@
 
 use super::map_file::{MapFile, Outcome};
 use super::{Failure, PathBuf, Preparing, Running, parse, prepare_scan};
-use crate::{MatchOptions, Parts, Progress, Refinement, UNMATCHED};
+use crate::{MatchOptions, Parts, Progress, Refinement, Stage, UNMATCHED};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -55,8 +55,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(fallback) = &matched.fallback {
         eprintln!("note: from stage {} on the CPU did the work: {}", fallback.stage.name(), fallback.reason);
     }
-    for (stage, seconds) in &matched.seconds {
-        eprintln!("{stage}: {seconds:.3} s");
+    for (scan, prepared) in [("A", &a), ("B", &b)] {
+        eprintln!("scan {scan} prepared: {:.3} s", prepared.info.seconds.values().sum::<f64>());
+    }
+    for stage in [Stage::FunctionalMap, Stage::Refine, Stage::Correspondence].map(Stage::name) {
+        eprintln!("{stage}: {:.3} s", matched.seconds.get(stage).copied().unwrap_or_default());
     }
     for warning in &matched.warnings {
         eprintln!("note: {warning}");

@@ -156,6 +156,9 @@ fn prepare_scan(path: &Path, preparing: &Preparing, on: &mut Processor) -> Resul
         .map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
+/// Writes a file and says so: some verbs write two.
 fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Failure> {
-    std::fs::write(path, contents).map_err(|e| format!("{}: {e}", path.display()).into())
+    std::fs::write(path, contents).map_err(|e| format!("{}: {e}", path.display()))?;
+    eprintln!("written: {}", path.display());
+    Ok(())
 }
