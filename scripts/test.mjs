@@ -55,7 +55,8 @@ export function readersOf(variable) {
   const folder = path.join(root, 'tests');
   const files = readdirSync(folder, { recursive: true }).filter((name) => name.endsWith('.rs'));
   const reads = (name) => readFileSync(path.join(folder, name), 'utf8').includes(`: set ${variable} and pass`);
-  return [...new Set(files.filter(reads).map((name) => name.split(path.sep)[0].replace(/\.rs$/, '')))].sort();
+  const names = files.filter(reads).map((name) => name.split(path.sep)[0].replace(/\.rs$/, ''));
+  return [...new Set(names)].sort();
 }
 
 /** The crate in a real browser, without WebGPU and with it. Release builds, because the module has already made their dependencies. */

@@ -127,11 +127,14 @@ impl OptionError {
         }
     }
 
-    pub(crate) fn no_shared_labels() -> Self {
+    /// `a` and `b` are labels of the two scans, for example.
+    pub(crate) fn no_shared_labels(a: u32, b: u32) -> Self {
         Self {
             code: "no-shared-labels",
-            message: "parts are to be as given, but no label of scan A occurs on scan B".to_owned(),
-            details: json!({}),
+            message: format!(
+                "parts are to be as given, but no label of scan A (such as {a}) occurs on scan B (which has {b})"
+            ),
+            details: json!({ "a": a, "b": b }),
         }
     }
 

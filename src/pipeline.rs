@@ -281,8 +281,10 @@ pub(crate) async fn match_with_cues<D: Device>(
     };
     let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
     let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
-    if parts.is_some_and(|(of_a, of_b)| shared(of_a, of_b).is_empty()) {
-        return Err(OptionError::no_shared_labels().into());
+    if let Some((of_a, of_b)) = labels
+        && shared(of_a, of_b).is_empty()
+    {
+        return Err(OptionError::no_shared_labels(of_a[0], of_b[0]).into());
     }
     let sides = [a, b].map(|shape| {
         let trust = shape.embedding.as_ref().and_then(|embedding| model.trust(embedding));
@@ -310,15 +312,16 @@ pub(crate) async fn match_with_cues<D: Device>(
     let untrained = familiarity.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
     warnings.extend(familiarity.and_then(|at_home| verdict(at_home, weights.is_null())));
-    if let (Some((of_a, of_b)), Some(on_a), Some(on_b)) = (parts, &a.embedding, &b.embedding)
-        && familiarity.is_some_and(|at_home| !at_home.is_of_others())
-    {
-        warnings.extend(labelled_otherwise([of_a, of_b], [&on_a.parts, &on_b.parts]));
-    }
+    let predicted = match (&a.embedding, &b.embedding, familiarity) {
+        (Some(of_a), Some(of_b), Some(at_home)) if !at_home.is_of_others() => Some([&of_a.parts, &of_b.parts]),
+        _ => None,
+    };
+    warnings
+        .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));
     warnings.extend(doubts(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) =
         (lift(&a_to_b, a, b, labels), lift(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
-    warnings.extend(contradicted(&options.landmarks, [a, b], [&a_to_b, &b_to_a]));
+    warnings.extend(contradicted(&options.landmarks, [a, b], [&a_to_b, &b_to_a], predicted));
     for &[i, j] in &options.landmarks {
         a_to_b.set(i, j);
         b_to_a.set(j, i);

@@ -1,10 +1,12 @@
 /**
- * Errors this package raises itself. Errors about a scan or an option come from the matcher and carry its own codes
- * (`'truncated-file'`, `'too-few-points'`, …), so the type stays open.
+ * Errors this package raises itself. Errors about a scan come from the matcher and carry its own codes (`'truncated-file'`, `'too-few-points'`, …), so the
+ * type stays open.
  */
 export type ErrorCode =
   /** An argument of the wrong type or shape. */
   | 'invalid-argument'
+  /** An option that is not known, not of its kind or out of range. */
+  | 'invalid-option'
   /** The `signal` of the call was aborted; `cause` is its reason. */
   | 'cancelled'
   /** The instance trapped or its worker died. The next call runs in a fresh one. */

@@ -41,52 +41,56 @@ export function laplacianOf(input: Omit<Laplacian, 'kind'>): Calls['spectrum']['
   }));
 }
 
-/** Options taken apart: what concerns the call, and a private copy of the rest, which the matcher checks. */
+/** Options taken apart: what concerns the call, and a private copy of the rest, in which null is as good as nothing. */
 export function optionsOf<T extends CallOptions>(options: T | undefined): { call: CallOptions; rest: Omit<T, keyof CallOptions> } {
   if (options !== undefined && !isObject(options)) throw wrong('the options', 'an object', options);
   const { signal, onProgress, ...others } = options ?? ({} as T);
   if (signal !== undefined && !is<AbortSignal>(signal, 'AbortSignal')) throw wrong('signal', 'an AbortSignal', signal);
   if (onProgress !== undefined && typeof onProgress !== 'function') throw wrong('onProgress', 'a function', onProgress);
-  const given = Object.entries(others).filter(([, value]) => value !== undefined);
+  const given = Object.entries(others).filter(([, value]) => value !== undefined && value !== null);
   let rest: Omit<T, keyof CallOptions>;
   try {
     rest = structuredClone(Object.fromEntries(given)) as Omit<T, keyof CallOptions>;
   } catch (cause) {
     throw new GeoSeError('invalid-argument', `the options must be plain data: ${given.map(([key]) => key).join(', ')}`, {}, { cause });
   }
-  for (const [option, value] of Object.entries(rest)) {
-    const [wanted, fits] = Object.hasOwn(OPTIONS, option) ? OPTIONS[option as keyof typeof OPTIONS] : ANYTHING;
-    if (fits(value)) continue;
-    const got = shown(value);
-    throw new GeoSeError('invalid-option', `${option} must be ${wanted}, not ${got}`, { option, wanted, got });
-  }
+  for (const [option, value] of Object.entries(rest)) OPTIONS.get(option)?.(option, value);
   return { call: { signal, onProgress }, rest };
 }
 
-type Check = readonly [wanted: string, fits: (value: unknown) => boolean];
+/** Throws where an option is not what it can be. */
+type Check = (option: string, value: unknown) => void;
 
-const oneOf = (...values: readonly string[]): Check => [
-  values.map((value) => `'${value}'`).join(' or '),
-  (value) => (values as readonly unknown[]).includes(value),
-];
-const isPair = (value: unknown): boolean => Array.isArray(value) && value.length === 2 && value.every(isIndex);
-const COUNT: Check = ['a whole number', Number.isSafeInteger];
-const LAPLACIAN = oneOf('geodesic', 'geodesic-literal', 'euclidean', 'cotangent');
-/** Names that nobody knows are the matcher's to refuse. */
-const ANYTHING: Check = ['anything', () => true];
+const refuse = (option: string, wanted: string, value: unknown): never => {
+  const got = shown(value);
+  throw new GeoSeError('invalid-option', `${option} must be ${wanted}, not ${got}`, { option, wanted, got });
+};
+const oneOf =
+  (...values: readonly string[]): Check =>
+  (option, value) =>
+    values.includes(value as string) || refuse(option, values.map((value) => `'${value}'`).join(' or '), value);
+const count: Check = (option, value) => Number.isInteger(value) || refuse(option, 'a whole number', value);
+const laplacian = oneOf('geodesic', 'geodesic-literal', 'euclidean', 'cotangent');
+const pairs: Check = (option, value) => {
+  if (!Array.isArray(value)) return refuse(option, 'an array of pairs [point of a, point of b]', value);
+  for (const [at, pair] of value.entries()) {
+    if (!Array.isArray(pair) || pair.length !== 2) refuse(`${option}[${at}]`, 'a pair [point of a, point of b]', pair);
+    for (const [side, index] of pair.entries()) isIndex(index) || refuse(`${option}[${at}][${side}]`, 'the index of a point', index);
+  }
+};
 
-/** What each option can be. Whether a number is in range is the matcher's to say. */
-const OPTIONS = {
-  points: COUNT,
-  eigenpairs: COUNT,
-  faces: oneOf('use', 'ignore'),
-  laplacian: LAPLACIAN,
-  kind: LAPLACIAN,
-  up: oneOf('x', 'y', 'z'),
-  parts: oneOf('predicted', 'given', 'none'),
-  refine: oneOf('best', 'zoomout', 'none'),
-  landmarks: ['pairs of indices, [[point of a, point of b], …]', (value) => Array.isArray(value) && value.every(isPair)],
-} satisfies Record<string, Check>;
+/** What an option can be, by its name. Unknown names and numbers out of range are the matcher's to refuse. */
+const OPTIONS = new Map<string, Check>([
+  ['points', count],
+  ['eigenpairs', count],
+  ['faces', oneOf('use', 'ignore')],
+  ['laplacian', laplacian],
+  ['kind', laplacian],
+  ['up', oneOf('x', 'y', 'z')],
+  ['parts', oneOf('predicted', 'given', 'none')],
+  ['refine', oneOf('best', 'zoomout', 'none')],
+  ['landmarks', pairs],
+]);
 
 /** A typo would otherwise be a silent default. */
 export function nothingElse(what: string, rest: object, known: readonly string[]): void {
@@ -102,8 +106,11 @@ export function wrong(what: string, wanted: string, found: unknown): GeoSeError 
 }
 
 /** A value in a sentence: an object by its type. */
-const shown = (value: unknown): string =>
-  isObject(value) ? tagOf(value) : typeof value === 'string' ? JSON.stringify(value.slice(0, 40)) : String(value);
+function shown(value: unknown): string {
+  if (isObject(value)) return tagOf(value);
+  if (typeof value === 'string') return JSON.stringify(value.slice(0, 40));
+  return typeof value === 'bigint' ? `the BigInt ${value}` : String(value);
+}
 
 /** A copy; of a detached buffer there is none, and of a huge one perhaps not. */
 function copied<T>(what: string, copy: () => T): T {

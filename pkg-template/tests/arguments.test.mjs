@@ -107,20 +107,21 @@ describe('wrong arguments are typed errors', () => {
     }
     for (const [options, sentence] of [
       [{ points: 1.5 }, 'points must be a whole number, not 1.5'],
+      [{ eigenpairs: 20n }, 'eigenpairs must be a whole number, not the BigInt 20'],
       [{ up: 'w' }, `up must be 'x' or 'y' or 'z', not "w"`],
     ]) {
       await assert.rejects(matcher.prepare(SMALL, options), { code: 'invalid-option', message: sentence });
     }
-    for (const landmarks of [[1, 2], [[-1, 0]], [[0, 1, 2]], {}]) {
-      await assert.rejects(matcher.match(shape, shape, { landmarks }), {
-        code: 'invalid-option',
-        message: /^landmarks must be pairs of indices/,
-      });
+    for (const [landmarks, sentence] of [
+      [{}, 'landmarks must be an array of pairs [point of a, point of b], not Object'],
+      [[[0, 0], 2], 'landmarks[1] must be a pair [point of a, point of b], not 2'],
+      [[[0, -1]], 'landmarks[0][1] must be the index of a point, not -1'],
+    ]) {
+      await assert.rejects(matcher.match(shape, shape, { landmarks }), { code: 'invalid-option', message: sentence });
     }
-    await assert.rejects(matcher.spectrum(shape), {
-      code: 'invalid-argument',
-      message: /what matcher.laplacian\(\) gives/,
-    });
+    const nothing = { laplacian: null, up: null, eigenpairs: 20 };
+    assert.equal((await matcher.prepare(SMALL, nothing)).info.eigenpairs, 20, 'null is as good as nothing');
+    await assert.rejects(matcher.spectrum(shape), { code: 'invalid-argument', message: /what matcher.laplacian\(\) gives/ });
     const circle = {};
     circle.points = circle;
     assert.match(await codeOf(matcher.prepare(SMALL, circle)), /option/);

@@ -143,7 +143,7 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     });
     let atlas = atlas.transpose()?;
     let maker = Maker { model: &model, template: &template, atlas: atlas.as_ref(), config: &samples };
-    thread::scope(|scope| {
+    let done = thread::scope(|scope| {
         for _ in 0..arguments.makers.get() {
             scope.spawn(|| pool.fill(&maker, &next, &stop));
         }
@@ -161,5 +161,7 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
         };
         stop.store(true, Ordering::Relaxed);
         done
-    })
+    });
+    pool.check()?;
+    done
 }

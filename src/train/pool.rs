@@ -93,16 +93,20 @@ impl Pool {
             if path.exists() {
                 return Sample::load(&path);
             }
-            if let Some(failure) = self.failure.get() {
-                return Err(io::Error::other(failure.clone()));
-            }
+            self.check()?;
             thread::sleep(Duration::from_millis(50));
         }
         Err(io::Error::new(io::ErrorKind::TimedOut, format!("{} was not made within half an hour", path.display())))
     }
 
+    /// Fails once a sample could not be made.
+    pub fn check(&self) -> io::Result<()> {
+        self.failure.get().map_or(Ok(()), |failure| Err(io::Error::other(failure.clone())))
+    }
+
     /// Makes what is missing, in order, on the threads that call; `next` is where they agree on who makes what. The first failure ends all of them.
     pub fn fill(&self, maker: &Maker, next: &AtomicUsize, stop: &AtomicBool) {
+        let _told = Unwinding(&self.failure);
         while !stop.load(Ordering::Relaxed) && self.failure.get().is_none() {
             let index = next.fetch_add(1, Ordering::Relaxed);
             if index >= self.count {
@@ -130,6 +134,17 @@ impl Pool {
             }
         }
         Err(format!("no body could be used for sample {index}"))
+    }
+}
+
+/// Says that a maker panicked to who waits for its sample.
+struct Unwinding<'a>(&'a OnceLock<String>);
+
+impl Drop for Unwinding<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            let _ = self.0.set("a thread that made samples panicked".to_owned());
+        }
     }
 }
 

@@ -218,6 +218,7 @@ pub fn train(
         if done >= 1.0 {
             break;
         }
+        pool.check()?;
         let mut rng = ChaCha8Rng::seed_from_u64(run.seed);
         rng.set_stream(1 + step as u64);
         let bodies = pool.count.min(FIRST_BODIES + step / STEPS_PER_BODY);

@@ -17,9 +17,12 @@ export function reversed(match: Match): Match {
   return {
     ...reverse,
     reverse: { targetOf, confidence, functionalMap },
-    report: { ...report, pointsUsed: [usedB, usedA] },
+    report: { ...report, pointsUsed: [usedB, usedA], warnings: report.warnings.map(exchanged) },
   };
 }
+
+/** A sentence about the scans A and B, which nothing else in it is called, about B and A. */
+const exchanged = (sentence: string): string => sentence.replace(/\b[AB]\b/g, (scan) => (scan === 'A' ? 'B' : 'A'));
 
 /** How many points of A found a partner. */
 export const matchedCount = (match: Match): number => match.targetOf.reduce((count, target) => count + (target === UNMATCHED ? 0 : 1), 0);
