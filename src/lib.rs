@@ -46,6 +46,7 @@ mod features;
 mod fmap;
 mod geometry;
 mod graph;
+mod known;
 mod model;
 mod operators;
 mod options;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use ndarray::{Array2, Axis as Along, concatenate};
+use ndarray::Array2;
 
 use crate::device::{Cpu, Device, Fallback, Interrupted, still_well};
 use crate::doubts::{UNTRAINED, contradicted, doubts, labelled_otherwise, verdict, warnings};
@@ -11,10 +11,11 @@ use crate::error::Error;
 use crate::features::ShapeInputs;
 use crate::fmap::{
     COARSE, Correspondence, Cues, Familiarity, FunctionalMap, Matchable, Refined, Refinement, initial_maps,
-    landmark_functions, learned_maps, lift, part_functions, refine, strain, stretch,
+    learned_maps, lift, refine, strain, stretch,
 };
 use crate::geometry::{Geometry, edges_between_limbs};
 use crate::graph::components;
+use crate::known::{Functions, labels_used, landmarks, parts_in_common, shared_labels, side_by_side};
 use crate::model::{Model, PointEmbedding};
 use crate::operators::{self, Laplacian, LaplacianKind};
 use crate::options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
@@ -282,7 +283,7 @@ pub(crate) async fn match_with_cues<D: Device>(
     let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
     let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
     if let Some((of_a, of_b)) = labels
-        && shared(of_a, of_b).is_empty()
+        && shared_labels(of_a, of_b).is_empty()
     {
         return Err(OptionError::no_shared_labels(of_a[0], of_b[0]).into());
     }
@@ -461,62 +462,6 @@ fn surface_points(shape: &Shape) -> Vec<u32> {
 /// C of bases whose masses sum to 1 as C of the bases that users hold.
 fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape) -> Array2<f64> {
     map * (to.basis.mass.sum() / from.basis.mass.sum()).sqrt()
-}
-
-/// Part labels at the points used.
-fn labels_used(shape: &PreparedShape, scan: &str) -> Result<Vec<u32>, OptionError> {
-    let labels = shape.shape.labels().ok_or_else(|| OptionError::no_labels(scan))?;
-    Ok((0..shape.points_used()).map(|row| labels[shape.support.uploaded(row)]).collect())
-}
-
-/// Coefficients (k, l) of functions that correspond, on A and on B.
-type Functions = (Array2<f64>, Array2<f64>);
-
-/// Known pairs as functions on both sides, from uploaded indices.
-fn landmarks(
-    a: &PreparedShape,
-    b: &PreparedShape,
-    side_a: &Matchable,
-    side_b: &Matchable,
-    pairs: &[[u32; 2]],
-) -> Result<Option<Functions>, OptionError> {
-    if pairs.is_empty() {
-        return Ok(None);
-    }
-    let rows = |shape: &PreparedShape, scan: &str, side: usize| -> Result<Vec<u32>, OptionError> {
-        let points = shape.shape.points().len();
-        let mut named = BTreeMap::new();
-        for pair in pairs {
-            if *named.entry(pair[side]).or_insert(pair) != pair {
-                return Err(OptionError::landmark_twice(pair[side], scan));
-            }
-        }
-        let row = |pair: &[u32; 2]| match pair[side] {
-            index if (index as usize) < points => Ok(shape.support.row_of(index as usize) as u32),
-            index => Err(OptionError::landmark(index, scan, points)),
-        };
-        pairs.iter().map(row).collect()
-    };
-    let (rows_a, rows_b) = (rows(a, "a", 0)?, rows(b, "b", 1)?);
-    Ok(Some((landmark_functions(&side_a.basis, &rows_a), landmark_functions(&side_b.basis, &rows_b))))
-}
-
-/// The parts that both shapes have, as functions on both sides.
-fn parts_in_common(side_a: &Matchable, of_a: &[u32], side_b: &Matchable, of_b: &[u32]) -> Functions {
-    let shared = shared(of_a, of_b);
-    (part_functions(&side_a.basis, of_a, &shared), part_functions(&side_b.basis, of_b, &shared))
-}
-
-/// The labels that occur on both shapes.
-fn shared(of_a: &[u32], of_b: &[u32]) -> BTreeSet<u32> {
-    let labels = |of: &[u32]| of.iter().copied().collect::<BTreeSet<u32>>();
-    &labels(of_a) & &labels(of_b)
-}
-
-/// All columns together; `None` without any.
-fn side_by_side(functions: impl Iterator<Item = Functions>) -> Option<Functions> {
-    let join = |x: Array2<f64>, y: Array2<f64>| concatenate![Along(1), x, y];
-    functions.reduce(|(a, b), (more_a, more_b)| (join(a, more_a), join(b, more_b)))
 }
 
 /// Connected pieces of the surface or neighbourhood graph; points without surface do not count.

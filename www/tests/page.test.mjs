@@ -347,11 +347,11 @@ test('landmarks are made by clicking pairs, by keys and by numbers, and the next
   assert.deepEqual([await markers('a'), await markers('b')], [['1'], ['1']]);
   assert.match(await page.locator('#landmarks li').textContent(), /A \d+ is B \d+/);
 
-  await page.fill('#point-b', '100');
+  await page.fill('#point-b', '2000');
   await page.press('#point-b', 'Enter');
   await page.fill('#point-a', '100');
   await page.press('#point-a', 'Enter');
-  assert.match(await page.locator('#landmarks').textContent(), /A 100 is B 100/);
+  assert.match(await page.locator('#landmarks').textContent(), /A 100 is B 2000/);
 
   await page.locator('#view-a').focus();
   await page.keyboard.press('ArrowUp');
@@ -382,7 +382,12 @@ test('landmarks are made by clicking pairs, by keys and by numbers, and the next
   await matched(page);
   const { match } = JSON.parse(await exported(page, '#export-json', 'utf8'));
   assert.equal(match.landmarks.length, 2);
-  assert.deepEqual(match.landmarks[1], [100, 100]);
+  assert.deepEqual(match.landmarks[1], [100, 2000]);
+  const warned = async (words) => (await page.locator('#certainty .warnings').textContent()).includes(words);
+  assert.ok(await warned('point 100 of A with point 2000 of B'));
+  await page.click('#swap');
+  assert.ok(await warned('point 100 of B with point 2000 of A'), 'a swap turns the warnings too');
+  await page.click('#swap');
   for (let left = 2; left > 0; left--) await page.locator('#landmarks button').first().click();
 });
 
