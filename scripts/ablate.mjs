@@ -24,7 +24,7 @@ const losses = (changes) => ({ run: { losses: changes } });
 /** What differs from what ships. `laplacian` is the one of every cloud, in training and in matching; `parts` are where labels come from in matching. */
 export const VARIANTS = {
   'as it ships': { parts: ['predicted', 'given'] },
-  'from labels and places': { teacher: 'src/model/geose.safetensors' },
+  'from labels and places': { teacher: 'data/weights/people.safetensors' },
   'without L_sem': losses({ semantic: 0 }),
   'without orthogonality': losses({ orthogonality: 0 }),
   'without bijectivity': losses({ bijectivity: 0 }),

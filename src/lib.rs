@@ -35,59 +35,52 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
-#[cfg(not(target_arch = "wasm32"))]
-mod colour;
+mod confidence;
+mod descriptors;
 mod device;
-mod doubts;
-mod error;
 #[cfg(not(target_arch = "wasm32"))]
 mod evaluate;
-mod features;
-mod fmap;
-mod geometry;
 mod graph;
-mod known;
-mod model;
+mod lifting;
+mod maps;
+mod network;
 mod operators;
-mod options;
-mod parts;
 mod pipeline;
-mod prepared;
-mod processor;
 mod progress;
 mod read;
+mod registration;
 mod shape;
 mod spectrum;
 #[cfg(feature = "train")]
 pub mod train;
+mod uses;
 mod vector;
 #[cfg(target_arch = "wasm32")]
 pub mod wasm;
 #[cfg(not(target_arch = "wasm32"))]
 mod write;
 
+pub use descriptors::{PointFeatures, wave_kernel_signature};
 #[cfg(feature = "gpu")]
 pub use device::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
 pub use device::{Cpu, Device, Fallback};
-pub use error::Error;
-pub use features::{PointFeatures, ShapeInputs, wave_kernel_signature};
-pub use fmap::{
-    Correspondence, EdgeDistances, FunctionalMap, Matchable, PartScores, Refinement, UNMATCHED, mean_error,
-    part_scores, point_errors,
-};
 pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
-pub use model::{
-    Embedding, Model, ModelConfig, Network, PointEmbedding, Position, Source, Start, Weights, WeightsError,
+pub use maps::{Correspondence, FunctionalMap, Matchable, UNMATCHED};
+pub use network::{
+    Embedding, GROUP_OF_PART, GROUPS, Model, ModelConfig, Network, PARTS, PointEmbedding, Position, ShapeInputs,
+    Source, Start, Weights, WeightsError,
 };
 pub use operators::{
     Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,
 };
-pub use options::{Axis, FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
-pub use parts::{GROUP_OF_PART, GROUPS, PARTS};
-pub use pipeline::{Match, match_shapes, match_with, prepare, prepare_with};
-pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
-pub use processor::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse, Processor};
+pub use pipeline::{
+    BlockError, DeviceChoice, DeviceError, DeviceInfo, DeviceKind, Error, FaceUse, GpuUse, Info, Match, MatchOptions,
+    OptionError, Parts, PrepareOptions, PreparedShape, Processor, ShapeKind, match_shapes, match_with, prepare,
+    prepare_with,
+};
 pub use progress::{Cancelled, Progress, Stage};
 pub use read::{Format, ReadError, read};
-pub use shape::{Repair, Shape, ShapeError};
+pub use registration::Refinement;
+pub use shape::{Axis, Repair, Shape, ShapeError};
 pub use spectrum::{SpectralBasis, SpectrumError, SpectrumReport, spectrum};
+pub use uses::{EdgeDistances, PartScores, mean_error, part_scores, point_errors};

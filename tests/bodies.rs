@@ -77,7 +77,7 @@ fn checksum(values: impl IntoIterator<Item = i64>) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// The scores in `src/model/CARD.md` are those of these bodies. Where other bodies are wanted, make the whole set (`bodies set --seed 900001 --count 24`),
+/// The scores in `data/weights/CARD.md` are those of these bodies. Where other bodies are wanted, make the whole set (`bodies set --seed 900001 --count 24`),
 /// measure on it in all three modes, and write the card's scores anew together with the checksums here.
 #[test]
 #[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]

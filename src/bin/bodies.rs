@@ -33,7 +33,7 @@ enum Command {
         out: PathBuf,
     },
     /// Writes random bodies in rows, as one labelled PLY; `node scripts/sheet.mjs` makes a picture of it.
-    Sheet {
+    Quadric {
         /// As above.
         #[arg(long)]
         data: PathBuf,
@@ -83,7 +83,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<Vec<String>, SampleError> {
     match command {
         Command::Samples { data, out } => write_samples(&BodyModel::load(&data)?, &out),
-        Command::Sheet { data, out, count, seed } => write_sheet(&BodyModel::load(&data)?, &out, count, seed),
+        Command::Quadric { data, out, count, seed } => write_sheet(&BodyModel::load(&data)?, &out, count, seed),
         Command::Set { data, out, count, seed, points } => {
             write_set(&BodyModel::load(&data)?, &out, &HeldOut { count, seed, points })
         }

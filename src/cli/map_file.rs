@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::colour::correspondence_colours;
 use super::{Failure, write};
-use crate::colour::{LinearRgb, correspondence_colours};
-use crate::write::{glb, ply};
+use crate::write::{Body, LinearRgb, glb, ply};
 use crate::{DeviceKind, Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED};
 
 /// Says before the work that the folder of `file` is none.
@@ -67,9 +67,9 @@ impl MapFile {
         match self.kind {
             Kind::Csv => write(&self.path, csv(outcome.matched)?),
             Kind::Json => write(&self.path, json(outcome)?),
-            Kind::Ply => self.write_bodies(outcome, "b.ply", |body, colours| Ok(ply(body, colours))),
+            Kind::Ply => self.write_bodies(outcome, "b.ply", |body, colours| Ok(ply(&written(body), colours))),
             Kind::Glb => self.write_bodies(outcome, "b.glb", |body, colours| {
-                glb(body, colours).ok_or_else(|| "the scan is too large for a GLB; write PLY instead".into())
+                glb(&written(body), colours).ok_or_else(|| "the scan is too large for a GLB; write PLY instead".into())
             }),
         }
     }
@@ -84,6 +84,13 @@ impl MapFile {
         write(&self.path, file(a, &on_a)?)?;
         write(&self.path.with_extension(extension_of_b), file(b, &on_b)?)
     }
+}
+
+/// A scan as it is written.
+fn written(scan: &PreparedShape) -> Body<'_> {
+    let info = &scan.info;
+    let (name, unit) = (info.name.as_deref(), info.unit.as_deref());
+    Body { shape: &scan.shape, name, unit, up: info.up_axis, scale: info.scale }
 }
 
 /// One line per point of A: `source,target,confidence`, the target left empty where there is none.

@@ -1,5 +1,6 @@
 //! The command line's verbs over the library; native only.
 
+mod colour;
 mod evaluate;
 mod info;
 mod laplacian;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Error;
+use crate::pipeline::Error;
 
 /// Why a data set could not be measured, in a sentence that names the file and, where there is one, the line.
 #[derive(Debug, thiserror::Error)]

@@ -24,14 +24,16 @@ use std::time::Instant;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
-use crate::fmap::{Refinement, part_scores};
-use crate::model::Model;
-use crate::options::{Axis, FaceUse, MatchOptions, Parts, PrepareOptions};
+use crate::network::Model;
+use crate::pipeline::Error;
+use crate::pipeline::PreparedShape;
+use crate::pipeline::{FaceUse, MatchOptions, Parts, PrepareOptions};
 use crate::pipeline::{match_with, prepare_with};
-use crate::prepared::PreparedShape;
 use crate::progress::Progress;
+use crate::registration::Refinement;
+use crate::shape::Axis;
 use crate::shape::Shape;
+use crate::uses::part_scores;
 
 use calibration::{Judged, RIGHT, area_under_curve, calibration_error};
 use cores::on_all_cores;

@@ -1,6 +1,6 @@
 //! Predicted parts in the classes of a set that has its own: merged by name.
 
-use crate::parts::PARTS;
+use crate::network::PARTS;
 
 /// For each of [`PARTS`] the class of a set with these names; `None` when one of them has none. Names may say the side or not (a class without one takes
 /// both) and how they are spelled does not matter (`left_upper_arm`, `upperarm`, `arm`).

@@ -8,12 +8,13 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::fmap::{CUES, Fit, Refinement, Situation, fit, probability};
-use crate::model::{Model, TRUST, Weights};
-use crate::options::{MatchOptions, Parts, PrepareOptions};
+use crate::confidence::{CUES, Fit, Situation, fit, probability};
+use crate::network::{Model, PRIOR, Weights};
+use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
-use crate::prepared::PreparedShape;
+use crate::pipeline::{MatchOptions, Parts, PrepareOptions};
 use crate::progress::Progress;
+use crate::registration::Refinement;
 
 /// Cues besides trust, which is found here.
 const OTHERS: usize = CUES - 1;
@@ -115,7 +116,8 @@ pub fn refit(
     let mut trust = Array2::<f32>::zeros((features + 1, 2));
     let mut fitted = BTreeMap::new();
     // Refined maps first: their points say what trust is, and the others take it as it is.
-    let (best, others): (Vec<_>, Vec<_>) = points.iter().partition(|(s, points)| s.laid && points.width == features);
+    let (best, others): (Vec<_>, Vec<_>) =
+        points.iter().partition(|(s, points)| s.registered && points.width == features);
     for (&situation, points) in best {
         let found = fit(&points.right, OTHERS + features, |i, row| {
             row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
@@ -150,7 +152,7 @@ pub fn refit(
         let trust = |i: usize| trusted(situation, points, i);
         lines(*situation, points, coefficients, trust)
     });
-    Ok((text.collect(), model.weights().clone().with(TRUST, trust.clone())))
+    Ok((text.collect(), model.weights().clone().with(PRIOR, trust.clone())))
 }
 
 /// The points, if there are any of every situation.
@@ -212,9 +214,12 @@ mod tests {
     #[test]
     fn a_set_that_lacks_a_situation_is_refused() {
         assert!(all_situations(seen(Situation::all()), Path::new("tune")).is_ok());
-        let few = seen(Situation::all().filter(|situation| situation.learned || situation.laid));
+        let few = seen(Situation::all().filter(|situation| situation.learned || situation.registered));
         let refused = all_situations(few, Path::new("tune")).err().expect("two are missing").to_string();
-        assert!(refused.contains("tune") && refused.matches("learned: false, laid: false").count() == 2, "{refused}");
+        assert!(
+            refused.contains("tune") && refused.matches("learned: false, registered: false").count() == 2,
+            "{refused}"
+        );
         let nothing = all_situations(BTreeMap::from([]), Path::new("tune")).err().expect("all are missing");
         assert_eq!(nothing.to_string().matches("Situation").count(), 8);
     }

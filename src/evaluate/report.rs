@@ -6,8 +6,8 @@ use std::fmt;
 use serde::Serialize;
 
 use super::{Mode, Rotate};
-use crate::fmap::Refinement;
-use crate::options::Parts;
+use crate::pipeline::Parts;
+use crate::registration::Refinement;
 use crate::shape::counted;
 
 /// The measurements of one set in one mode. What the set has no data for is `None`.

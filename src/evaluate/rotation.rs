@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::selection::fnv1a_64;
-use crate::options::Axis;
+use crate::shape::Axis;
 use crate::vector::{Vector, cross};
 
 /// Which rotations shapes get.
@@ -70,7 +70,7 @@ impl SplitMix64 {
 #[cfg(test)]
 mod tests {
     use super::{Rotate, Vector};
-    use crate::options::Axis;
+    use crate::shape::Axis;
     use crate::vector::{cross, dot, minus};
 
     const FRAME: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

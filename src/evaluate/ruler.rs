@@ -1,9 +1,10 @@
 //! Errors of a match on a mesh: how far from the truth, and how far from its mirror image.
 
 use super::truth::Truth;
-use crate::fmap::{EdgeDistances, UNMATCHED, point_errors};
 use crate::graph::{BoundedDijkstra, components};
+use crate::maps::UNMATCHED;
 use crate::shape::Shape;
+use crate::uses::{EdgeDistances, point_errors};
 use crate::vector::{Vector, squared_distance};
 
 /// A mesh on which errors are measured.

@@ -1,7 +1,6 @@
 //! An undirected graph with edge lengths, in compressed rows.
 
-use crate::shape::Shape;
-use crate::vector::squared_distance;
+use crate::vector::{Vector, squared_distance};
 
 /// Rows of (neighbour, length), each edge stored in both rows, neighbours ascending.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,11 +96,10 @@ impl EdgeGraph {
         self.lengths.push(length);
     }
 
-    /// The edges of a mesh with their lengths; none for a cloud.
-    pub fn of_mesh(shape: &Shape) -> Self {
-        let points = shape.points();
+    /// The edges of triangles over `points` with their lengths; none without triangles.
+    pub fn of_faces(points: &[Vector], faces: &[[u32; 3]]) -> Self {
         let length = |i: u32, j: u32| squared_distance(points[i as usize], points[j as usize]).sqrt();
-        let edges = shape.faces().iter().flat_map(|f| (0..3).map(move |s| (f[s], f[(s + 1) % 3])));
+        let edges = faces.iter().flat_map(|f| (0..3).map(move |s| (f[s], f[(s + 1) % 3])));
         Self::from_edges(points.len(), edges.map(|(i, j)| (i, j, length(i, j))))
     }
 

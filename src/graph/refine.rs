@@ -1,7 +1,7 @@
 //! Algorithm 1, steps 1 and 2: a graph that grows from k₀ to k neighbours and leaves out candidates that it knows for shortcuts.
 //!
 //! It knows them by its own distances, so where one of the first k₀ neighbours lies across a gap, those beside it pass: shortcuts grow fewer and do not
-//! end. What is left of them the default operator weakens (`operators/sheets.rs`).
+//! end. What is left of them the default operator weakens (`operators/quadrics.rs`).
 
 use super::components::Forest;
 use super::{BoundedDijkstra, EdgeGraph, Neighbours};

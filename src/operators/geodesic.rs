@@ -4,7 +4,7 @@
 //! of 2.22 with the printed form, 1.38 with density-normalised weights on plain neighbours, and 1.17 with the default: the same on the
 //! graph of Algorithm 1, edges between touching sheets faded. Cotangents of the meshes have 1.02.
 
-use super::sheets::Sheets;
+use super::quadrics::Quadrics;
 use super::{Laplacian, LaplacianKind, cloud_mass};
 use crate::graph::{EdgeGraph, Neighbours};
 use crate::vector::squared_distance;
@@ -43,7 +43,7 @@ const LEAST_SHARE: f64 = 0.05;
 /// sampled twice as densely the first 60 eigenvalues differ from the mesh's by 1.8 % on average instead of 3.0 % (both
 /// with plain disc areas; with the areas of today 1.8 %).
 ///
-/// With `sheets`, edges between sheets of surface that only touch fade ([`Sheets`]), and every point gets its row sum
+/// With `quadrics`, edges between sheets of surface that only touch fade ([`Quadrics`]), and every point gets its row sum
 /// back in equal shares (W ← R^−½ W R^−½, R the share that is left). Algorithm 1 hardly prunes them: a shortcut among
 /// the first k₀ neighbours lets those beside it in. On 16 synthetic bodies with limbs in contact the exact map at k =
 /// 120 has 0.41 instead of 0.56 (×100/√area; 0.12 with cotangents of the mesh), and the first 60 eigenvalues differ
@@ -56,7 +56,7 @@ pub fn gaussian_laplacian(
     graph: &EdgeGraph,
     neighbours: &Neighbours,
     kind: LaplacianKind,
-    sheets: Option<&Sheets>,
+    quadrics: Option<&Quadrics>,
 ) -> Laplacian {
     let n = graph.len();
     let sigma: Vec<f64> = (0..n).map(|i| neighbours.mean_distance_from(i)).collect();
@@ -74,8 +74,8 @@ pub fn gaussian_laplacian(
     let mass = cloud_mass(points, neighbours);
     let mut weights: Vec<(u32, u32, f64)> =
         graph.edges().map(|(i, j, d)| (i, j, kernel(i, j, d) / (density[i as usize] * density[j as usize]))).collect();
-    if let Some(sheets) = sheets {
-        fade_between_sheets(&mut weights, sheets);
+    if let Some(quadrics) = quadrics {
+        fade_between_sheets(&mut weights, quadrics);
     }
     let energy: f64 =
         weights.iter().map(|&(i, j, w)| w * squared_distance(points[i as usize], points[j as usize])).sum();
@@ -83,11 +83,11 @@ pub fn gaussian_laplacian(
     Laplacian::from_weights(kind, mass, weights.into_iter().map(|(i, j, w)| (i, j, w * scale)))
 }
 
-fn fade_between_sheets(weights: &mut [(u32, u32, f64)], sheets: &Sheets) {
-    let n = sheets.len();
+fn fade_between_sheets(weights: &mut [(u32, u32, f64)], quadrics: &Quadrics) {
+    let n = quadrics.len();
     let (mut before, mut after) = (vec![0.0; n], vec![0.0; n]);
     for (i, j, w) in weights.iter_mut() {
-        let faded = *w * sheets.factor(*i, *j);
+        let faded = *w * quadrics.factor(*i, *j);
         for end in [*i as usize, *j as usize] {
             before[end] += *w;
             after[end] += faded;

@@ -10,7 +10,7 @@ use sprs::{CsMat, TriMat};
 use super::GaussianParams;
 use super::frames::Frame;
 use super::normals::{mesh_normals, unit_normal};
-use super::sheets::Sheets;
+use super::quadrics::Quadrics;
 use crate::graph::{EdgeGraph, Neighbours, RefineParams, nearest_neighbours, refine};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::Shape;
@@ -54,8 +54,8 @@ pub fn gradient(shape: &Shape, progress: &mut Progress) -> Result<Gradient, Canc
     progress.at(Stage::Graph, 0.5)?;
     let graph = refine(&neighbours, &RefineParams::default()).edges;
     progress.at(Stage::Laplacian, 0.0)?;
-    let sheets = Sheets::fit(shape.points(), &neighbours);
-    Ok(cloud_gradient(shape.points(), &graph, &neighbours, &sheets))
+    let quadrics = Quadrics::fit(shape.points(), &neighbours);
+    Ok(cloud_gradient(shape.points(), &graph, &neighbours, &quadrics))
 }
 
 /// Mean of the gradients of the faces around each vertex, weighted with their areas, in the tangent plane of the
@@ -93,10 +93,10 @@ pub(super) fn cloud_gradient(
     points: &[[f64; 3]],
     graph: &EdgeGraph,
     neighbours: &Neighbours,
-    sheets: &Sheets,
+    quadrics: &Quadrics,
 ) -> Gradient {
     let n = graph.len();
-    let frames: Vec<Frame> = (0..n as u32).map(|i| Frame::around(sheets.normal(i))).collect();
+    let frames: Vec<Frame> = (0..n as u32).map(|i| Frame::around(quadrics.normal(i))).collect();
     let sigma: Vec<f64> = (0..n).map(|i| neighbours.mean_distance_from(i)).collect();
     let mut entries: Vec<(u32, u32, [f64; 2])> = Vec::with_capacity(2 * graph.edge_count());
     let mut row: Vec<(u32, f64, [f64; 2])> = Vec::new();
@@ -110,7 +110,7 @@ pub(super) fn cloud_gradient(
             if length > 0.0 && scale > 0.0 {
                 let weight = (-d * d / scale).exp();
                 all += weight * d * d;
-                row.push((j, weight * sheets.agreement(i as u32, j), flat.map(|x| x * d / length)));
+                row.push((j, weight * quadrics.agreement(i as u32, j), flat.map(|x| x * d / length)));
             }
         }
         let moment = |p: usize, q: usize| row.iter().map(|(_, w, u)| w * u[p] * u[q]).sum::<f64>();

@@ -8,10 +8,7 @@ mod intrinsic;
 mod laplacian;
 mod mass;
 mod normals;
-mod sheets;
-mod surface;
-
-use ndarray::Array2;
+mod quadrics;
 
 use crate::graph::{RefineParams, nearest_neighbours, refine};
 use crate::progress::{Cancelled, Progress, Stage};
@@ -24,8 +21,7 @@ pub use gradient::{Gradient, gradient};
 pub use laplacian::{Laplacian, LaplacianKind};
 pub use mass::cloud_mass;
 pub use normals::normals;
-use sheets::Sheets;
-pub use surface::Surface;
+pub use quadrics::{EdgeFilter, Quadrics};
 
 /// Why no Laplacian could be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,15 +65,14 @@ pub fn surface_area(shape: &Shape, laplacian: &Laplacian) -> f64 {
 /// The Laplacian of a shape, all points counting, in the unit of its points. The faces of a mesh meet wherever their corners lie at exactly
 /// one place; of the points there, the first has the mass and the entries.
 pub fn laplacian(shape: &Shape, kind: LaplacianKind, progress: &mut Progress) -> Result<Laplacian, OperatorError> {
-    laplacian_apart(shape, kind, None, progress)
+    laplacian_filtered(shape, kind, None, progress)
 }
 
-/// [`laplacian`]; the geodesic one of a cloud with the probabilities of body parts (n, 14), so that limbs in contact are told apart by what they are and
-/// not only by how they lie.
-pub(crate) fn laplacian_apart(
+/// [`laplacian`]; in the geodesic one of a cloud edges fade that `filter` knows to join what does not belong together.
+pub(crate) fn laplacian_filtered(
     shape: &Shape,
     kind: LaplacianKind,
-    parts: Option<&Array2<f32>>,
+    filter: Option<EdgeFilter>,
     progress: &mut Progress,
 ) -> Result<Laplacian, OperatorError> {
     if kind == LaplacianKind::Cotangent {
@@ -99,8 +94,8 @@ pub(crate) fn laplacian_apart(
     Ok(match kind {
         LaplacianKind::GeodesicLiteral => literal_laplacian(&graph, neighbours.mean_distance()),
         LaplacianKind::Geodesic => {
-            let sheets = Sheets::fit(shape.points(), &neighbours).with_parts(parts);
-            gaussian_laplacian(shape.points(), &graph, &neighbours, kind, Some(&sheets))
+            let quadrics = Quadrics::fit(shape.points(), &neighbours).with_filter(filter);
+            gaussian_laplacian(shape.points(), &graph, &neighbours, kind, Some(&quadrics))
         }
         _ => gaussian_laplacian(shape.points(), &graph, &neighbours, kind, None),
     })

@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 
-use super::sheets::Sheets;
+use super::quadrics::Quadrics;
 use crate::graph::{Neighbours, nearest_neighbours};
 use crate::shape::Shape;
 use crate::vector::{cross, dot, minus, norm, plus};
@@ -30,15 +30,10 @@ pub fn normals(shape: &Shape) -> Vec<[f64; 3]> {
     shape.first_at_place().into_iter().map(|first| at_first[first as usize]).collect()
 }
 
-/// Normals (n, 3) of a cloud, of either sign: those of the surfaces that [`Sheets`] fits, which follow one of two
+/// Normals (n, 3) of a cloud, of either sign: those of the surfaces that [`Quadrics`] fits, which follow one of two
 /// sheets that touch where principal components mix them.
 fn cloud_normals(points: &[[f64; 3]], neighbours: &Neighbours) -> Vec<[f64; 3]> {
-    cloud_normals_of(&Sheets::fit(points, neighbours))
-}
-
-/// The normals of sheets already fitted.
-pub(super) fn cloud_normals_of(sheets: &Sheets) -> Vec<[f64; 3]> {
-    (0..sheets.len() as u32).map(|i| sheets.normal(i)).collect()
+    Quadrics::fit(points, neighbours).normals()
 }
 
 /// Normals (n, 3) of a mesh from the winding of its faces, each face counting with its angle at the vertex, so that how

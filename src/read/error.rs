@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde_json::{Value, json};
 
+use crate::shape::ShapeError;
+
 /// Where in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -39,6 +41,9 @@ impl fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
+    /// The file was read, and its points, faces or labels do not make a shape.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
     /// No bytes at all.
     #[error("the file is empty")]
     Empty,
@@ -182,6 +187,7 @@ impl ReadError {
     /// Stable machine-readable name.
     pub fn code(&self) -> &'static str {
         match self {
+            Self::Shape(error) => error.code(),
             Self::Empty => "empty-file",
             Self::UnknownFormat { .. } => "unknown-format",
             Self::UnknownFormatName { .. } => "unknown-format-name",
@@ -201,6 +207,7 @@ impl ReadError {
     /// The numbers behind the sentence; a place is `line`, `byte` or `object`.
     pub fn details(&self) -> Value {
         let (mut details, at) = match self {
+            Self::Shape(error) => (error.details(), None),
             Self::Empty => (json!({}), None),
             Self::UnknownFormat { begins } => (json!({ "begins": begins }), None),
             Self::UnknownFormatName { given } => (json!({ "given": given }), None),

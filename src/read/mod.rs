@@ -17,9 +17,7 @@ mod text;
 pub use error::ReadError;
 pub use format::Format;
 
-use crate::error::Error;
-use crate::options::Axis;
-use crate::shape::{Repair, Shape};
+use crate::shape::{Axis, Repair, Shape};
 
 /// What a file says, before it is validated as a shape.
 #[derive(Debug, Default)]
@@ -37,9 +35,9 @@ pub(crate) fn faces_as_written(off: &[u8]) -> Result<Vec<[u32; 3]>, ReadError> {
 }
 
 /// Reads a scan. The format is `format` if given, else the one the bytes announce, else that of `name`'s extension, else what the bytes look like.
-pub fn read(bytes: &[u8], name: Option<&str>, format: Option<Format>) -> Result<Shape, Error> {
+pub fn read(bytes: &[u8], name: Option<&str>, format: Option<Format>) -> Result<Shape, ReadError> {
     if bytes.is_empty() {
-        return Err(ReadError::Empty.into());
+        return Err(ReadError::Empty);
     }
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes); // a byte order mark says nothing a reader needs
     let format = format

@@ -1,5 +1,6 @@
 //! A scan, validated once: points, optional triangles, optional part labels.
 
+mod axis;
 mod crumbs;
 mod error;
 mod faces;
@@ -10,9 +11,9 @@ mod spread;
 mod support;
 mod weld;
 
-use crate::options::Axis;
 use crate::vector::{cross, minus, norm};
 
+pub use axis::Axis;
 pub use crumbs::{Crumbs, set_crumbs_aside};
 pub use error::ShapeError;
 pub use repair::Repair;

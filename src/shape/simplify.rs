@@ -128,7 +128,7 @@ pub fn cells(shape: &Shape, samples: &[u32]) -> Vec<u32> {
     if shape.faces().is_empty() {
         return super::nearest_samples(shape.points(), samples);
     }
-    let mut cell = nearest_sources(&EdgeGraph::of_mesh(shape), samples);
+    let mut cell = nearest_sources(&EdgeGraph::of_faces(shape.points(), shape.faces()), samples);
     let lost: Vec<usize> = (0..cell.len()).filter(|&i| cell[i] == u32::MAX).collect();
     if !lost.is_empty() {
         let (first, in_space) = (shape.first_at_place(), super::nearest_samples(shape.points(), samples));

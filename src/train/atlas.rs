@@ -5,11 +5,11 @@
 //! were off by 2.1 cm on average, 1.5 % of √area.
 
 use crate::device::Cpu;
-use crate::error::Error;
-use crate::model::Model;
-use crate::options::{MatchOptions, Parts, PrepareOptions};
+use crate::network::Model;
+use crate::pipeline::Error;
+use crate::pipeline::PreparedShape;
+use crate::pipeline::{MatchOptions, Parts, PrepareOptions};
 use crate::pipeline::{match_with, prepare_with};
-use crate::prepared::PreparedShape;
 use crate::progress::Progress;
 use crate::shape::Shape;
 

@@ -17,7 +17,7 @@ use super::parameters::Parameters;
 use super::pool::Pool;
 use super::run::{RunConfig, RunError, train};
 use super::step::Forward;
-use crate::model::{ModelConfig, Network, Weights};
+use crate::network::{ModelConfig, Network, Weights};
 
 /// A part of the bodies: every `of`-th from `held` on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -158,7 +158,7 @@ pub fn losses(weights: &LossWeights, a: &Side, b: &Side, maps: bool) -> Result<T
 /// C_ab and C_ba from the features (paper Sec. 3.3, with the resolvent mask).
 pub fn functional_maps(a: &Side, b: &Side) -> Result<[Tensor; 2]> {
     let project = |side: &Side| side.projector.t()?.matmul(side.features);
-    Ok(crate::fmap::functional_maps(&Autodiff, [&project(a)?, &project(b)?], [a.lambda, b.lambda]))
+    Ok(crate::maps::functional_maps(&Autodiff, [&project(a)?, &project(b)?], [a.lambda, b.lambda]))
 }
 
 /// Mean of −Σ y ln p over the rows of `labels`, which are one-hot, shares that sum to 1, or nothing where nothing is known.

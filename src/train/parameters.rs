@@ -11,7 +11,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::device::{matrix, tensor};
-use crate::model::{ModelConfig, Source, Start, Weights, WeightsError};
+use crate::network::{ModelConfig, Source, Start, Weights, WeightsError};
 
 const BETA: [f32; 2] = [0.9, 0.999];
 const EPSILON: f32 = 1e-8;

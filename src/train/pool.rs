@@ -16,7 +16,7 @@ use super::bodies::held_out::HELD_OUT_SEEDS;
 use super::bodies::scan::ScanOptions;
 use super::bodies::{BodyModel, Template};
 use super::sample::Sample;
-use crate::model::{ModelConfig, Position};
+use crate::network::{ModelConfig, Position};
 use crate::operators::LaplacianKind;
 
 /// Vertices of the meshes that are matched to the atlas.

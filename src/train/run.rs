@@ -16,7 +16,7 @@ use super::losses::LossWeights;
 use super::parameters::Parameters;
 use super::pool::Pool;
 use super::step::Forward;
-use crate::model::{ModelConfig, Network, Weights, WeightsError};
+use crate::network::{ModelConfig, Network, Weights, WeightsError};
 
 /// Everything that decides the outcome of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,11 +10,11 @@ use ndarray::Array2;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
 use super::pool::SampleConfig;
-use crate::error::Error;
-use crate::features::ShapeInputs;
+use crate::network::ShapeInputs;
 use crate::operators::LaplacianKind;
-use crate::options::PrepareOptions;
-use crate::pipeline::prepare_with_shape;
+use crate::pipeline::Error;
+use crate::pipeline::PrepareOptions;
+use crate::pipeline::{network_inputs, prepare_with_shape};
 use crate::progress::Progress;
 use crate::shape::Shape;
 
@@ -50,7 +50,7 @@ impl Sample {
         let used: Vec<usize> = (0..prepared.points_used()).map(|row| prepared.support.uploaded(row)).collect();
         let labels = used.iter().map(|&i| labels[i]).collect();
         let places = places.map(|at| Array2::from_shape_fn((used.len(), 3), |(row, axis)| at[used[row]][axis]));
-        let inputs = ShapeInputs::of(&prepared, &operator_shape, config.eigenpairs, config.position, &mut progress)
+        let inputs = network_inputs(&prepared, &operator_shape, config.eigenpairs, config.position, &mut progress)
             .map_err(crate::operators::OperatorError::from)?;
         Ok(Self { inputs, labels, places })
     }

@@ -10,8 +10,8 @@ use super::losses::{LossWeights, Side, Terms, functional_maps, losses, one_hot};
 use super::run::RunConfig;
 use super::sample::Sample;
 use crate::device::{Cpu, Device};
-use crate::model::Network;
-use crate::parts::PARTS;
+use crate::network::Network;
+use crate::network::PARTS;
 
 /// Key points that attention looks at in training.
 const KEYS: usize = 512;

@@ -8,9 +8,9 @@ use sprs::CsMat;
 use wasm_bindgen::JsValue;
 
 use super::invalid;
-use crate::error::Error;
-use crate::fmap::{Correspondence, FunctionalMap};
+use crate::maps::{Correspondence, FunctionalMap};
 use crate::operators::{Laplacian, LaplacianKind};
+use crate::pipeline::Error;
 use crate::pipeline::Match;
 use crate::spectrum::{SpectralBasis, SpectrumError, SpectrumReport};
 

@@ -5,10 +5,10 @@ use wasm_bindgen::prelude::*;
 
 use super::convert::{match_to_js, options, plain, throw};
 use super::{RawShape, memory_bytes, tell};
-use crate::model::Model;
-use crate::options::{MatchOptions, PrepareOptions};
-use crate::prepared::PreparedShape;
-use crate::processor::Processor;
+use crate::network::Model;
+use crate::pipeline::PreparedShape;
+use crate::pipeline::Processor;
+use crate::pipeline::{MatchOptions, PrepareOptions};
 use crate::progress::{Progress, Stage};
 
 /// The network on a device.

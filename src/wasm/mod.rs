@@ -11,9 +11,9 @@ use js_sys::Function;
 use wasm_bindgen::prelude::*;
 use web_time::Instant;
 
-use crate::error::Error;
-use crate::options::OptionError;
-use crate::prepared::PreparedShape;
+use crate::pipeline::Error;
+use crate::pipeline::OptionError;
+use crate::pipeline::PreparedShape;
 use crate::progress::{Progress, Stage};
 use crate::read::Format;
 use crate::shape::Shape;

@@ -2,9 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::colour::{LinearRgb, upright};
-use crate::options::Axis;
-use crate::prepared::{Info, PreparedShape};
+use super::{Body, LinearRgb, upright};
+use crate::shape::Axis;
 
 /// `componentType` of an accessor (glTF 2.0, section 3.6.2.2).
 const FLOAT: u32 = 5126;
@@ -16,7 +15,7 @@ const TRIANGLES: u32 = 4;
 /// Points in the order they were read in, the faces if there are any, and `colours` (n). glTF is upright and in metres, so the node turns and
 /// scales the body; one of no clear unit or upward axis stays as it is. Points are kept around the node's origin, because glTF has no
 /// numbers finer than 32 bits. `None` where that is more than the 4 GiB a GLB can hold.
-pub(crate) fn glb(body: &PreparedShape, colours: &[LinearRgb]) -> Option<Vec<u8>> {
+pub(crate) fn glb(body: &Body, colours: &[LinearRgb]) -> Option<Vec<u8>> {
     let (points, faces) = (body.shape.points(), body.shape.faces());
     let (mut low, mut high) = (points[0], points[0]);
     for p in points {
@@ -49,7 +48,7 @@ pub(crate) fn glb(body: &PreparedShape, colours: &[LinearRgb]) -> Option<Vec<u8>
 }
 
 /// The JSON over `length` bytes of positions, colours and corners.
-fn document(body: &PreparedShape, bounds: [[f32; 3]; 2], centre: [f64; 3], length: usize) -> Value {
+fn document(body: &Body, bounds: [[f32; 3]; 2], centre: [f64; 3], length: usize) -> Value {
     let (n, corners) = (body.shape.points().len(), 3 * body.shape.faces().len());
     let mesh = corners > 0;
     let mut views = vec![
@@ -76,7 +75,7 @@ fn document(body: &PreparedShape, bounds: [[f32; 3]; 2], centre: [f64; 3], lengt
         "asset": { "version": "2.0", "generator": "geose-fmap" },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
-        "nodes": [node(&body.info, centre)],
+        "nodes": [node(body, centre)],
         "meshes": [{ "primitives": [primitive] }],
         "materials": [material],
         "accessors": accessors,
@@ -90,21 +89,21 @@ fn document(body: &PreparedShape, bounds: [[f32; 3]; 2], centre: [f64; 3], lengt
 }
 
 /// The node that stands the body upright, in metres, with `centre` where it was.
-fn node(info: &Info, centre: [f64; 3]) -> Value {
-    let metres = match info.unit.as_deref() {
+fn node(body: &Body, centre: [f64; 3]) -> Value {
+    let metres = match body.unit {
         Some("cm") => 0.01,
         Some("mm") => 0.001,
         _ => 1.0,
     };
     let quarter = 0.5_f64.sqrt();
-    let rotation = match info.up_axis {
+    let rotation = match body.up {
         Some(Axis::X) => [0.0, 0.0, quarter, quarter],
         Some(Axis::Z) => [-quarter, 0.0, 0.0, quarter],
         Some(Axis::Y) | None => [0.0, 0.0, 0.0, 1.0],
     };
-    let translation = upright(info.up_axis).map(|(axis, sign)| metres * sign * centre[axis]);
+    let translation = upright(body.up).map(|(axis, sign)| metres * sign * centre[axis]);
     json!({
-        "name": info.name,
+        "name": body.name,
         "mesh": 0,
         "rotation": rotation,
         "scale": [metres, metres, metres],

@@ -1,13 +1,12 @@
 //! A coloured scan as binary PLY.
 
-use crate::colour::{LinearRgb, to_srgb_byte};
-use crate::prepared::PreparedShape;
+use super::{Body, LinearRgb, to_srgb_byte};
 
 /// Points in the order, place and unit they were read in, the faces if there are any, and `colours` (n) as sRGB bytes. Coordinates are f32
 /// where that moves no point by a millionth of the scan's size, else f64.
-pub(crate) fn ply(body: &PreparedShape, colours: &[LinearRgb]) -> Vec<u8> {
+pub(crate) fn ply(body: &Body, colours: &[LinearRgb]) -> Vec<u8> {
     let (points, faces) = (body.shape.points(), body.shape.faces());
-    let finest = 1e-6 * body.info.scale;
+    let finest = 1e-6 * body.scale;
     let single = points.as_flattened().iter().all(|&c| (c - f64::from(c as f32)).abs() < finest);
     let float = if single { "float" } else { "double" };
     let mut header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", points.len());

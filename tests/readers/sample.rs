@@ -31,7 +31,7 @@ pub fn torus() -> Sample {
 }
 
 pub fn parse(bytes: impl AsRef<[u8]>, name: &str) -> Result<Shape, Error> {
-    read(bytes.as_ref(), Some(name), None)
+    read(bytes.as_ref(), Some(name), None).map_err(Error::from)
 }
 
 /// Exactly the torus, and nothing to say about it.

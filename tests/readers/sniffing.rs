@@ -59,7 +59,8 @@ fn the_extension_decides_where_bytes_do_not() {
 
 #[test]
 fn a_format_that_is_asked_for_is_not_guessed() {
-    let (code, message, _) = refused(read(off(&torus()).as_bytes(), None, Some(Format::Ply)));
+    let (code, message, _) =
+        refused(read(off(&torus()).as_bytes(), None, Some(Format::Ply)).map_err(geose_fmap::Error::from));
     assert_eq!(code, "malformed-file");
     assert_eq!(message, "PLY, line 1: the file begins with “OFF·64 128 0·3 0” where ply must stand");
 }

@@ -2,7 +2,7 @@
 
 use super::data::Bone;
 use super::skinning::Weights;
-pub use crate::parts::PARTS;
+pub use crate::network::PARTS;
 
 /// The part a bone of the `game_engine` rig belongs to: neck to the head, shoulder blades to the torso, fingers to the hand.
 pub fn part_of_bone(bone: &str) -> usize {

@@ -1,0 +1,13 @@
+//! How sure a match is: what it shows of its own faults, and the probability that this makes of being right.
+
+mod calibration;
+mod cues;
+mod distortion;
+
+pub(crate) use calibration::confidence;
+#[cfg(feature = "train")]
+pub(crate) use calibration::{Fit, Situation, fit, probability};
+#[cfg(feature = "train")]
+pub(crate) use cues::CUES;
+pub(crate) use cues::Cues;
+pub use distortion::{strain, stretch};

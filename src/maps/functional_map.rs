@@ -1,0 +1,91 @@
+//! The masked functional-map solve (paper Sec. 3.3, "FM solver").
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use ndarray::{Array2, ArrayView1, ArrayView2};
+
+use crate::device::{Device, solve_rows_wide};
+
+/// C_ab: coefficients on A → coefficients on B. Shape (k_b, k_a).
+#[derive(Clone, Debug, PartialEq)]
+pub struct FunctionalMap {
+    /// The matrix C_ab (k_b, k_a).
+    pub matrix: Array2<f64>,
+}
+
+/// Keeps directions that no descriptor sees and the mask allows at zero.
+const RIDGE: f64 = 1e-9;
+
+impl FunctionalMap {
+    /// C_ab from descriptors: min ‖C G_a − G_b‖² + Σ mask_ij C_ij², the descriptors scaled so that the Gram matrix has mean diagonal 1.
+    ///
+    /// `g_a` (k_a, c) and `g_b` (k_b, c) are the same descriptors projected on each basis, `lambda_a` and `lambda_b` the eigenvalues at unit area.
+    /// The paper solves without a mask, which lets the map couple frequencies that no near-isometry couples; the mask is the
+    /// resolvent one of Ren et al. 2019 ("Structured regularization of functional map computations"), γ = ½. Each row of C is a
+    /// solve of its own.
+    pub fn solve(
+        g_a: ArrayView2<f64>,
+        g_b: ArrayView2<f64>,
+        lambda_a: ArrayView1<f64>,
+        lambda_b: ArrayView1<f64>,
+    ) -> Self {
+        let gram = g_a.dot(&g_a.t());
+        let scale = gram.diag().sum() / g_a.nrows() as f64;
+        let scale = if scale > 0.0 { scale } else { 1.0 };
+        let right = g_b.dot(&g_a.t());
+        let mask = resolvent_mask(lambda_a, lambda_b);
+        Self { matrix: solve_rows_wide((gram / scale).view(), (right / scale).view(), mask.view(), RIDGE) }
+    }
+}
+
+/// C_ab and C_ba on a device, from descriptors `g` projected on the bases of A and B (k, c) that come from features of unit length at unit area: their Gram
+/// matrix has trace 1, or a little less, so that k times it has mean diagonal 1. `lambda` are the eigenvalues by Weyl's law, λ_j ≈ 4πj. The same in training
+/// and in matching.
+pub fn functional_maps<D: Device>(device: &D, [g_a, g_b]: [&D::Tensor; 2], lambda: [&[f64]; 2]) -> [D::Tensor; 2] {
+    let solve = |from: &D::Tensor, to: &D::Tensor, lambda_from: &[f64], lambda_to: &[f64]| {
+        let scaled = device.concat(&[(from, lambda_from.len() as f32)]);
+        let mask = resolvent_mask(ArrayView1::from(lambda_from), ArrayView1::from(lambda_to));
+        let mask = device.upload(mask.mapv(|v| v as f32).view());
+        device.solve_rows(&device.matmul_nt(from, &scaled), &device.matmul_nt(to, &scaled), &mask)
+    };
+    [solve(g_a, g_b, lambda[0], lambda[1]), solve(g_b, g_a, lambda[1], lambda[0])]
+}
+
+/// Distance between the resolvents of two operators, entry by entry: small near the (slanted) diagonal. Shape (k_b, k_a).
+pub fn resolvent_mask(lambda_a: ArrayView1<f64>, lambda_b: ArrayView1<f64>) -> Array2<f64> {
+    let largest = lambda_a.iter().chain(lambda_b.iter()).copied().fold(f64::MIN_POSITIVE, f64::max);
+    // (λ^γ − i)⁻¹ with γ = ½, so λ^2γ = λ.
+    let resolvent = |lambda: &f64| {
+        let x = lambda / largest;
+        [x.sqrt() / (1.0 + x), 1.0 / (1.0 + x)]
+    };
+    let (a, b): (Vec<_>, Vec<_>) = (lambda_a.iter().map(resolvent).collect(), lambda_b.iter().map(resolvent).collect());
+    let mask =
+        Array2::from_shape_fn((b.len(), a.len()), |(i, j)| (b[i][0] - a[j][0]).powi(2) + (b[i][1] - a[j][1]).powi(2));
+    let norm = mask.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    mask / norm
+}
+
+/// min ‖P X − Q‖² by the normal equations: P (n, k), Q (n, m) given as PᵀP (k, k) and PᵀQ (k, m); X (k, m).
+///
+/// With rows at a sampling of the points this is the least-squares form of ΦᵀMf.
+pub(super) fn least_squares(gram: ArrayView2<f32>, right: ArrayView2<f32>) -> Array2<f64> {
+    let (k, m) = right.dim();
+    let ridge = 1e-7 * (0..k).map(|i| f64::from(gram[(i, i)])).sum::<f64>() / k.max(1) as f64;
+    let system = Mat::from_fn(k, k, |i, j| f64::from(gram[(i, j)]) + if i == j { ridge } else { 0.0 });
+    let rhs = Mat::from_fn(k, m, |i, j| f64::from(right[(i, j)]));
+    match system.llt(Side::Lower) {
+        Ok(cholesky) => {
+            let x = cholesky.solve(&rhs);
+            Array2::from_shape_fn((k, m), |(i, j)| x[(i, j)])
+        }
+        Err(_) => Array2::zeros((k, m)),
+    }
+}
+
+/// Functions (rows, m) as seen through the columns of Φ (rows, k).
+pub(crate) fn smoothed(phi: ArrayView2<f32>, functions: ArrayView2<f64>) -> Array2<f64> {
+    let functions = functions.mapv(|v| v as f32);
+    let coefficients = least_squares(phi.t().dot(&phi).view(), phi.t().dot(&functions).view());
+    phi.mapv(f64::from).dot(&coefficients)
+}

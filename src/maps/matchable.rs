@@ -1,0 +1,51 @@
+//! One side of a pair, as the matching steps see it.
+
+use ndarray::{Array2, s};
+
+use crate::descriptors::SampledSurface;
+use crate::spectrum::SpectralBasis;
+
+/// A shape at unit area, ready to be matched: p points used.
+#[derive(Clone, Debug)]
+pub struct Matchable {
+    /// Basis at unit area: Σ mass = 1.
+    pub basis: SpectralBasis,
+    /// Positions (p, 3), centred, in units of √area.
+    pub points: Array2<f64>,
+    /// Descriptors (p, c) that do not depend on the pose in space.
+    pub features: Array2<f32>,
+    /// Probability of each of [`crate::PARTS`] (p, 14), where a network was asked.
+    pub parts: Option<Array2<f32>>,
+    /// How far the place of a point on the body speaks for its match (p, 2), in log-odds beside other cues: between meshes, and where one is a cloud.
+    pub prior: Option<Array2<f32>>,
+    /// Rows of an even sampling, coarsest first: every prefix is a sampling too.
+    pub coarse: Vec<u32>,
+    /// The surface around that sampling.
+    pub surface: SampledSurface,
+}
+
+impl Matchable {
+    /// Points used, p.
+    pub fn len(&self) -> usize {
+        self.points.nrows()
+    }
+
+    /// True without points.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The first `k` eigenfunctions as f32: (p, k).
+    pub(crate) fn phi(&self, k: usize) -> Array2<f32> {
+        self.basis.eigenvectors.slice(s![.., ..k]).mapv(|v| v as f32)
+    }
+
+    /// Φ at the given rows, first `k` columns, as f32: (rows, k).
+    pub(crate) fn phi_at(&self, rows: &[u32], k: usize) -> Array2<f32> {
+        let mut phi = Array2::zeros((rows.len(), k));
+        for (mut out, &i) in phi.rows_mut().into_iter().zip(rows) {
+            out.zip_mut_with(&self.basis.eigenvectors.slice(s![i as usize, ..k]), |o, &v| *o = v as f32);
+        }
+        phi
+    }
+}

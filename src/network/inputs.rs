@@ -1,0 +1,141 @@
+//! What the network sees of a shape.
+
+use ndarray::{Array2, ArrayView2, Axis, s};
+
+use super::Position;
+use crate::descriptors::heat_kernel_signature;
+use crate::device::Device;
+use crate::spectrum::SpectralBasis;
+
+/// Wavelengths of the position encoding (paper Sec. 3.3, ψ), in √area.
+const WAVELENGTHS: [f32; 3] = [4.0, 2.0, 1.0];
+/// Times of the heat kernel, in units of the area, logarithmic.
+const TIMES: [f64; 2] = [1e-3, 0.2];
+/// Number of times.
+const SIGNATURES: usize = 8;
+/// Eigenvalues whose mean λ_j/4πj is made 1.
+const WEYL: std::ops::Range<usize> = 16..64;
+
+/// A shape of unit area as the network sees it, n points and k eigenfunctions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeInputs {
+    /// Channels per point (n, c), invariant under rotation unless positions are literal.
+    pub channels: Array2<f32>,
+    /// Positions (n, 3), centred, in √area.
+    pub points: Array2<f32>,
+    /// Positions times mass (n, 3).
+    pub moments: Array2<f32>,
+    /// Φ (n, k).
+    pub phi: Array2<f32>,
+    /// MΦ (n, k).
+    pub projector: Array2<f32>,
+    /// ∂Φ along both tangent axes (n, k each).
+    pub gradients: [Array2<f32>; 2],
+    /// λ (k, 1), scaled so that λ_j ≈ 4πj (Weyl's law at unit area).
+    pub lambda: Array2<f32>,
+}
+
+/// Input channels for a kind of position encoding.
+pub fn input_channels(position: Position) -> usize {
+    let encoded = match position {
+        Position::Invariant => 1,
+        Position::Literal => 3,
+    };
+    SIGNATURES + 2 + 2 * WAVELENGTHS.len() * encoded
+}
+
+impl ShapeInputs {
+    /// From a basis (n, ≥ k) at unit area, the gradients of its eigenfunctions (n, ≥ k) and positions (n, 3) centred and in √area.
+    pub fn new(
+        basis: &SpectralBasis,
+        gradients: [ArrayView2<f32>; 2],
+        points: ArrayView2<f64>,
+        k: usize,
+        position: Position,
+    ) -> Self {
+        let k = k.min(basis.k());
+        let single = |v: &f64| *v as f32;
+        let basis = &basis.truncated(k);
+        let weyl = weyl_factor(basis);
+        let lambda = basis.eigenvalues.mapv(|l| (l / weyl) as f32).insert_axis(Axis(1));
+        let phi = basis.eigenvectors.map(single);
+        let mass = basis.mass.map(single).insert_axis(Axis(1));
+        let points = points.map(single);
+
+        let times: Vec<f64> = (0..SIGNATURES)
+            .map(|i| TIMES[0] * (TIMES[1] / TIMES[0]).powf(i as f64 / (SIGNATURES - 1) as f64) / weyl)
+            .collect();
+        let mut channels = Array2::zeros((basis.len(), input_channels(position)));
+        channels.slice_mut(s![.., ..SIGNATURES]).assign(&heat_kernel_signature(basis, &times));
+        for (mut row, p) in channels.rows_mut().into_iter().zip(points.rows()) {
+            let square = p.dot(&p);
+            let radius = [square.sqrt()];
+            row[SIGNATURES] = square - 0.5;
+            row[SIGNATURES + 1] = radius[0] - 0.5;
+            let encoded: &[f32] = match position {
+                Position::Invariant => &radius,
+                Position::Literal => p.as_slice().expect("row-major"),
+            };
+            let waves = WAVELENGTHS.iter().flat_map(|w| encoded.iter().map(move |x| std::f32::consts::TAU * x / w));
+            for (i, angle) in waves.enumerate() {
+                let (sin, cos) = angle.sin_cos();
+                row[SIGNATURES + 2 + 2 * i] = sin;
+                row[SIGNATURES + 3 + 2 * i] = cos;
+            }
+        }
+        Self {
+            channels,
+            moments: &points * &mass,
+            projector: &phi * &mass,
+            gradients: gradients.map(|g| g.slice(s![.., ..k]).to_owned()),
+            phi,
+            points,
+            lambda,
+        }
+    }
+
+    /// Number of points n.
+    pub fn len(&self) -> usize {
+        self.points.nrows()
+    }
+
+    /// True without points.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Copied to a device.
+    pub fn upload<D: Device>(&self, device: &D) -> InputsOn<D::Tensor> {
+        InputsOn {
+            channels: device.upload(self.channels.view()),
+            points: device.upload(self.points.view()),
+            moments: device.upload(self.moments.view()),
+            phi: device.upload(self.phi.view()),
+            projector: device.upload(self.projector.view()),
+            gradients: [0, 1].map(|axis: usize| device.upload(self.gradients[axis].view())),
+            lambda: device.upload(self.lambda.view()),
+        }
+    }
+}
+
+/// [`ShapeInputs`] on a device, field by field.
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub struct InputsOn<T> {
+    pub channels: T,
+    pub points: T,
+    pub moments: T,
+    pub phi: T,
+    pub projector: T,
+    pub gradients: [T; 2],
+    pub lambda: T,
+}
+
+/// Mean of λ_j/4πj: 1 for a smooth closed surface of unit area. What an operator on a cloud gets wrong in scale shows here.
+pub fn weyl_factor(basis: &SpectralBasis) -> f64 {
+    let range = WEYL.start.min(basis.k() / 2)..WEYL.end.min(basis.k());
+    let ratios: Vec<f64> =
+        range.map(|j| basis.eigenvalues[j] / (4.0 * std::f64::consts::PI * j.max(1) as f64)).collect();
+    let mean = ratios.iter().sum::<f64>() / ratios.len().max(1) as f64;
+    if mean > 0.0 && mean.is_finite() { mean } else { 1.0 }
+}

@@ -1,0 +1,55 @@
+//! Layers without a shape: the same for every point.
+
+use super::weights::{Source, Start, WeightsError};
+use crate::device::Device;
+
+/// x W + b.
+#[derive(Clone, Debug)]
+pub struct Linear<T> {
+    weight: T,
+    bias: T,
+}
+
+impl<T> Linear<T> {
+    /// From `inputs` to `outputs` channels; new ones start with variance `gain`²/inputs.
+    pub fn new(
+        source: &mut impl Source<T>,
+        name: &str,
+        inputs: usize,
+        outputs: usize,
+        gain: f32,
+    ) -> Result<Self, WeightsError> {
+        let spread = gain / (inputs as f32).sqrt();
+        Ok(Self {
+            weight: source.tensor(&format!("{name}.weight"), [inputs, outputs], Start::Normal(spread))?,
+            bias: source.tensor(&format!("{name}.bias"), [1, outputs], Start::Constant(0.0))?,
+        })
+    }
+
+    /// (n, inputs) → (n, outputs).
+    pub fn forward<D: Device<Tensor = T>>(&self, device: &D, x: &T) -> T {
+        device.linear(x, &self.weight, &self.bias)
+    }
+}
+
+/// Normalisation before a block.
+#[derive(Clone, Debug)]
+pub struct LayerNorm<T> {
+    gain: T,
+    bias: T,
+}
+
+impl<T> LayerNorm<T> {
+    /// Over `channels`.
+    pub fn new(source: &mut impl Source<T>, name: &str, channels: usize) -> Result<Self, WeightsError> {
+        Ok(Self {
+            gain: source.tensor(&format!("{name}.gain"), [1, channels], Start::Constant(1.0))?,
+            bias: source.tensor(&format!("{name}.bias"), [1, channels], Start::Constant(0.0))?,
+        })
+    }
+
+    /// (n, channels) → (n, channels).
+    pub fn forward<D: Device<Tensor = T>>(&self, device: &D, x: &T) -> T {
+        device.layer_norm(x, &self.gain, &self.bias)
+    }
+}

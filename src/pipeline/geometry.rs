@@ -1,0 +1,45 @@
+//! What a shape is matched by before a network looks at it: operator, basis, descriptors, and the surface around a sampling.
+
+use ndarray::{Array2, Axis};
+
+use super::Error;
+use crate::descriptors::{SampledSurface, wave_kernel_signature};
+use crate::operators::{self, EdgeFilter, Laplacian, LaplacianKind};
+use crate::progress::{Progress, Stage};
+use crate::shape::{Shape, Support};
+use crate::spectrum::{SpectralBasis, SpectrumReport, spectrum};
+
+/// Operator and basis of a shape, one row per carrier, descriptors and surface at the points used.
+pub(crate) struct Geometry {
+    pub laplacian: Laplacian,
+    pub basis: SpectralBasis,
+    pub report: SpectrumReport,
+    pub features: Array2<f32>,
+    pub surface: SampledSurface,
+}
+
+impl Geometry {
+    /// Of `shape`, whose points are the carriers; `coarse` are rows of points used. `filter` weakens edges of a cloud.
+    pub(crate) fn of(
+        shape: &Shape,
+        kind: LaplacianKind,
+        filter: Option<EdgeFilter>,
+        (support, coarse): (&Support, &[u32]),
+        eigenpairs: usize,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        let laplacian = operators::laplacian_filtered(shape, kind, filter, progress)?;
+        let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, eigenpairs, progress)?;
+        progress.at(Stage::Features, 0.0)?;
+        let features = wave_kernel_signature(&basis).values;
+        let (features, surface) = match &support.used {
+            None => (features, SampledSurface::around(shape, coarse, &basis, filter)),
+            Some(used) => {
+                let carriers: Vec<u32> = coarse.iter().map(|&row| used[row as usize]).collect();
+                let rows: Vec<usize> = used.iter().map(|&row| row as usize).collect();
+                (features.select(Axis(0), &rows), SampledSurface::around(shape, &carriers, &basis, filter).at(used))
+            }
+        };
+        Ok(Self { laplacian, basis, report, features, surface })
+    }
+}

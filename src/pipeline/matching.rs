@@ -1,0 +1,153 @@
+//! From two prepared shapes to the correspondence of every uploaded point.
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
+
+use super::given::{labels_used, landmarks, parts_in_common, shared_labels, side_by_side};
+use super::hypotheses::{BestMaps, Pair, best_maps};
+use super::warnings::{UNTRAINED, contradicted, doubts, labelled_otherwise, verdict, warnings};
+use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
+use crate::confidence::{Cues, stretch};
+use crate::device::{Device, Fallback, Interrupted};
+use crate::lifting::lift;
+use crate::maps::{Correspondence, FunctionalMap, Matchable};
+use crate::network::Model;
+use crate::progress::{Progress, Stage};
+use crate::registration::Refined;
+
+/// Two scans matched.
+#[derive(Clone, Debug)]
+pub struct Match {
+    /// For each uploaded point of A its point on B.
+    pub a_to_b: Correspondence,
+    /// For each uploaded point of B its point on A.
+    pub b_to_a: Correspondence,
+    /// A to B as the first maps had it, before refinement; only where [`MatchOptions::raw`] asked for it.
+    pub raw: Option<Correspondence>,
+    /// C_ab: functions on A → functions on B.
+    pub c_ab: FunctionalMap,
+    /// C_ba: functions on B → functions on A.
+    pub c_ba: FunctionalMap,
+    /// Seconds per stage.
+    pub seconds: BTreeMap<String, f64>,
+    /// Points of A and B that took part.
+    pub points_used: [usize; 2],
+    /// What a user should know before trusting the result.
+    pub warnings: Vec<String>,
+    /// Name and version of the weights that took part; null when none did.
+    pub weights: serde_json::Value,
+    /// Where and why the CPU took over from the device; nothing when it did not.
+    pub fallback: Option<Fallback>,
+    /// The device that it ran on, or began on.
+    pub device: DeviceKind,
+    /// What was asked of a GPU.
+    pub gpu: GpuUse,
+}
+
+/// Features of both → functional maps both ways → refinement → correspondence of every uploaded point, on the CPU with the weights that ship.
+pub fn match_shapes(
+    a: &PreparedShape,
+    b: &PreparedShape,
+    options: &MatchOptions,
+    progress: &mut Progress,
+) -> Result<Match, Error> {
+    pollster::block_on(match_with(Model::embedded(), a, b, options, progress))
+}
+
+/// [`match_shapes`] with other weights, or on another device.
+pub async fn match_with<D: Device>(
+    model: &Model<D>,
+    a: &PreparedShape,
+    b: &PreparedShape,
+    options: &MatchOptions,
+    progress: &mut Progress<'_>,
+) -> Result<Match, Error> {
+    match_with_cues(model, a, b, options, progress).await.map(|(matched, _)| matched)
+}
+
+/// [`match_with`], and what confidence was judged by, from A to B and back, at the points used.
+pub(crate) async fn match_with_cues<D: Device>(
+    model: &Model<D>,
+    a: &PreparedShape,
+    b: &PreparedShape,
+    options: &MatchOptions,
+    progress: &mut Progress<'_>,
+) -> Result<(Match, [Cues; 2]), Error> {
+    progress.at(Stage::FunctionalMap, 0.0)?;
+    let parts = match options.parts {
+        Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
+        Parts::Predicted | Parts::None => None,
+    };
+    let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
+    let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
+    if let Some((of_a, of_b)) = labels
+        && shared_labels(of_a, of_b).is_empty()
+    {
+        return Err(OptionError::no_shared_labels(of_a[0], of_b[0]).into());
+    }
+    let sides = [a, b].map(|shape| {
+        let prior = shape.embedding.as_ref().and_then(|embedding| model.prior(embedding));
+        Matchable { prior, ..shape.matchable() }
+    });
+    let [side_a, side_b] = &sides;
+    let known = [
+        landmarks(a, b, side_a, side_b, &options.landmarks)?,
+        parts.map(|(of_a, of_b)| parts_in_common(side_a, of_a, side_b, of_b)),
+    ];
+    let known = side_by_side(known.into_iter().flatten());
+    let pair = Pair { shapes: [a, b], sides: &sides, known, parts };
+
+    let (best, fallback) = match best_maps(model, &pair, options, progress).await {
+        Err(Interrupted::Failed(fallback)) => {
+            (best_maps(&model.on_cpu(), &pair, options, progress).await, Some(fallback))
+        }
+        best => (best, None),
+    };
+    let BestMaps { refined: Refined { a_to_b, b_to_a, maps, cues }, raw, out_of_distribution, weights } = match best {
+        Ok(best) => best,
+        Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+        Err(Interrupted::Failed(_)) => unreachable!("the CPU does not fail"),
+    };
+    let untrained = out_of_distribution.is_none().then(|| UNTRAINED.to_owned());
+    let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
+    warnings.extend(out_of_distribution.and_then(|at_home| verdict(at_home, weights.is_null())));
+    let predicted = match (&a.embedding, &b.embedding, out_of_distribution) {
+        (Some(of_a), Some(of_b), Some(at_home)) if !at_home.is_of_others() => Some([&of_a.parts, &of_b.parts]),
+        _ => None,
+    };
+    warnings
+        .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));
+    warnings.extend(doubts(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
+    let (mut a_to_b, mut b_to_a) = (
+        lift(&a_to_b, a.sampled(), b.sampled(), labels),
+        lift(&b_to_a, b.sampled(), a.sampled(), labels.map(|(of_a, of_b)| (of_b, of_a))),
+    );
+    warnings.extend(contradicted(&options.landmarks, [a, b], [&a_to_b, &b_to_a], predicted));
+    for &[i, j] in &options.landmarks {
+        a_to_b.set(i, j);
+        b_to_a.set(j, i);
+    }
+    progress.at(Stage::Correspondence, 1.0)?;
+
+    let matched = Match {
+        a_to_b,
+        b_to_a,
+        raw: raw.map(|raw| lift(&raw, a.sampled(), b.sampled(), labels)),
+        c_ab: FunctionalMap { matrix: in_uploaded_units(maps.c_ab, a, b) },
+        c_ba: FunctionalMap { matrix: in_uploaded_units(maps.c_ba, b, a) },
+        seconds: progress.take_seconds(),
+        points_used: [side_a.len(), side_b.len()],
+        warnings,
+        weights,
+        fallback,
+        device: DeviceKind::Cpu,
+        gpu: GpuUse::default(),
+    };
+    Ok((matched, cues))
+}
+
+/// C of bases whose masses sum to 1 as C of the bases that users hold.
+fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape) -> Array2<f64> {
+    map * (to.basis.mass.sum() / from.basis.mass.sum()).sqrt()
+}

@@ -1,0 +1,24 @@
+//! The method, in order. The only room that knows it: [`prepare`] takes a scan to what can be matched, [`match_shapes`] two of these to a correspondence.
+
+mod contact;
+mod error;
+mod geometry;
+mod given;
+mod hypotheses;
+mod matching;
+mod options;
+mod prepare;
+mod prepared;
+mod processor;
+mod warnings;
+
+pub use error::Error;
+#[cfg(feature = "train")]
+pub(crate) use matching::match_with_cues;
+pub use matching::{Match, match_shapes, match_with};
+pub use options::{FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
+#[cfg(feature = "train")]
+pub(crate) use prepare::{network_inputs, prepare_with_shape};
+pub use prepare::{prepare, prepare_with};
+pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
+pub use processor::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse, Processor};

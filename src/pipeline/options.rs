@@ -1,0 +1,155 @@
+//! What a user may ask for, with defaults.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::operators::LaplacianKind;
+use crate::registration::Refinement;
+use crate::shape::Axis;
+
+/// Options of [`prepare`](crate::prepare).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+pub struct PrepareOptions {
+    /// Points that take part in the matching, 50 to 2 million; up to 1.5 times as many stay whole.
+    pub points: usize,
+    /// Whether faces count, or the scan is taken as a cloud.
+    pub faces: FaceUse,
+    /// Which Laplacian; by default cotangents on meshes and on clouds the geodesic one, in which body parts that the network tells apart hold limbs in contact
+    /// apart (the repair `limbs-told-apart` says where). One that is asked for by name knows nothing of parts.
+    pub laplacian: Option<LaplacianKind>,
+    /// Eigenpairs k of the basis, 10 to 1000 (paper: 120).
+    pub eigenpairs: usize,
+    /// The axis that points up, where it is known; only shown so far, since matching does not depend on it.
+    pub up: Option<Axis>,
+}
+
+impl Default for PrepareOptions {
+    fn default() -> Self {
+        Self { points: 5000, faces: FaceUse::Use, laplacian: None, eigenpairs: 120, up: None }
+    }
+}
+
+impl PrepareOptions {
+    /// Fewest points and eigenpairs that make a map, and the most that can be meant.
+    pub fn check(&self) -> Result<(), OptionError> {
+        if !(50..=2_000_000).contains(&self.points) {
+            return Err(OptionError::out_of_range("points", self.points, "between 50 and 2000000"));
+        }
+        if !(10..=1000).contains(&self.eigenpairs) {
+            return Err(OptionError::out_of_range("eigenpairs", self.eigenpairs, "between 10 and 1000"));
+        }
+        Ok(())
+    }
+}
+
+/// Whether the faces of a scan count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FaceUse {
+    /// Faces make it a mesh.
+    #[default]
+    Use,
+    /// Faces are dropped first; what is left is a cloud.
+    Ignore,
+}
+
+/// Options of [`match_shapes`](crate::match_shapes).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
+pub struct MatchOptions {
+    /// Which part labels keep points of different parts apart.
+    pub parts: Parts,
+    /// How far the first map is polished.
+    pub refine: Refinement,
+    /// Pairs (uploaded index on A, uploaded index on B) known to correspond.
+    pub landmarks: Vec<[u32; 2]>,
+    /// Whether the match before refinement is kept beside the refined one, for measurements; not an option of the package.
+    #[serde(skip)]
+    pub raw: bool,
+    /// Whether the network's map stands, where one made without it would compete otherwise; for measurements too.
+    #[serde(skip)]
+    pub network_only: bool,
+}
+
+/// Where part labels come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Parts {
+    /// Predicted by the network, as a soft mask.
+    #[default]
+    Predicted,
+    /// Labels that came with both scans, as a hard mask.
+    Given,
+    /// None.
+    None,
+}
+
+/// An option that has no meaning here.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct OptionError {
+    code: &'static str,
+    message: String,
+    details: Value,
+}
+
+impl OptionError {
+    /// Not understood at all: a wrong name, type or value.
+    pub fn invalid(reason: impl Into<String>) -> Self {
+        Self { code: "invalid-option", message: reason.into(), details: json!({}) }
+    }
+
+    pub(crate) fn out_of_range(option: &str, value: usize, range: &str) -> Self {
+        Self {
+            code: "invalid-option",
+            message: format!("{option} must be {range}, and {value} was asked for"),
+            details: json!({ "option": option, "value": value }),
+        }
+    }
+
+    pub(crate) fn no_labels(scan: &str) -> Self {
+        Self {
+            code: "no-labels",
+            message: format!("parts are to be as given, but scan {scan} came without labels"),
+            details: json!({ "scan": scan }),
+        }
+    }
+
+    /// `a` and `b` are labels of the two scans, for example.
+    pub(crate) fn no_shared_labels(a: u32, b: u32) -> Self {
+        Self {
+            code: "no-shared-labels",
+            message: format!(
+                "parts are to be as given, but no label of scan A (such as {a}) occurs on scan B (which has {b})"
+            ),
+            details: json!({ "a": a, "b": b }),
+        }
+    }
+
+    pub(crate) fn landmark(index: u32, scan: &str, points: usize) -> Self {
+        Self {
+            code: "invalid-option",
+            message: format!("landmark index {index} is not a point of scan {scan}, which has {points}"),
+            details: json!({ "index": index, "scan": scan, "points": points }),
+        }
+    }
+
+    pub(crate) fn landmark_twice(index: u32, scan: &str) -> Self {
+        Self {
+            code: "invalid-option",
+            message: format!("landmarks give point {index} of scan {scan} two partners"),
+            details: json!({ "index": index, "scan": scan }),
+        }
+    }
+
+    /// Stable machine-readable name.
+    pub fn code(&self) -> &'static str {
+        self.code
+    }
+
+    /// The numbers behind the sentence.
+    pub fn details(&self) -> Value {
+        self.details.clone()
+    }
+}

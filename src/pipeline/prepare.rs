@@ -1,0 +1,296 @@
+//! From a scan to what can be matched.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use ndarray::{Array2, s};
+
+use super::contact::edges_between_limbs;
+use super::geometry::Geometry;
+use super::{Error, FaceUse, Info, PrepareOptions, PreparedShape, ShapeKind};
+use crate::device::{Device, Interrupted, still_well};
+use crate::graph::components;
+use crate::network::{Model, PointEmbedding, Position, ShapeInputs, meeting};
+use crate::operators::{self, Laplacian, LaplacianKind, gradient};
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::registration::COARSE;
+use crate::shape::{
+    Axis, Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, THIN_LIMIT, counted, farthest_points,
+    set_crumbs_aside, support,
+};
+use crate::spectrum::{SpectralBasis, SpectrumReport, check_size};
+
+/// Scan → graph → Laplacian → spectrum → features and parts, on the CPU with the weights that ship; on a cloud on which limbs touch from the graph on once more,
+/// limbs told apart by those parts.
+pub fn prepare(
+    shape: Shape,
+    name: Option<String>,
+    options: &PrepareOptions,
+    progress: &mut Progress,
+) -> Result<PreparedShape, Error> {
+    // Nothing on the CPU ever waits.
+    pollster::block_on(prepare_with(Model::embedded(), shape, name, options, progress))
+}
+
+/// [`prepare`] with other weights, or on another device.
+pub async fn prepare_with<D: Device>(
+    model: &Model<D>,
+    shape: Shape,
+    name: Option<String>,
+    options: &PrepareOptions,
+    progress: &mut Progress<'_>,
+) -> Result<PreparedShape, Error> {
+    let (mut prepared, operator_shape, laplacian) = prepare_with_shape(shape, name, options, progress)?;
+    // Kept through the network only where it may be needed again.
+    let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
+    let laplacian = by_default.then_some(laplacian);
+    let parts = ask(model, &mut prepared, &operator_shape, 0.2..0.4, progress).await?;
+    if let Some(edges) = laplacian.and_then(|laplacian| edges_between_limbs(&laplacian, &parts)) {
+        // A graph and a spectrum again, but for who listens no stage comes twice.
+        let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
+        let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
+        let meet = |i: u32, j: u32| f64::from(meeting(parts.row(i as usize), parts.row(j as usize)));
+        let apart = Geometry::of(&operator_shape, kind, Some(&meet), sampled, options.eigenpairs, &mut within);
+        drop(within);
+        match apart {
+            Ok(apart) => {
+                let message = format!(
+                    "{} of neighbours join parts of the body that do not meet, as where a hand rests on a hip: they were told apart",
+                    counted(edges, "pair", "pairs")
+                );
+                prepared.repairs.retain(|repair| repair.code != NOT_PROVED);
+                prepared.repairs.push(Repair::noted("limbs-told-apart", edges, message));
+                prepared.repairs.extend(not_proved(&apart.report, &apart.basis));
+                prepared.info.residual = apart.report.residual;
+                (prepared.basis, prepared.features, prepared.surface) = (apart.basis, apart.features, apart.surface);
+                ask(model, &mut prepared, &operator_shape, 0.8..0.9, progress).await?;
+            }
+            Err(Error::Cancelled(_)) => return Err(Cancelled { stage: Stage::Features }.into()),
+            // The basis that knows no parts is there and good.
+            Err(_) => {}
+        }
+    }
+    progress.at(Stage::Features, 1.0)?;
+    prepared.info.seconds = progress.take_seconds();
+    Ok(prepared)
+}
+
+/// Code of the repair that says that an eigenpair may be missing.
+const NOT_PROVED: &str = "spectrum-not-proved";
+
+/// Says so where it was not proved that a basis misses nothing.
+fn not_proved(report: &SpectrumReport, basis: &SpectralBasis) -> Option<Repair> {
+    let message = "the eigenvalues are right, but it was not proved that none between them is missing";
+    (!report.complete).then(|| Repair::noted(NOT_PROVED, basis.k(), message.to_owned()))
+}
+
+/// What the network makes of a shape, within a range of the stage; returns the probabilities of parts.
+async fn ask<D: Device>(
+    model: &Model<D>,
+    prepared: &mut PreparedShape,
+    operator_shape: &Shape,
+    share: Range<f64>,
+    progress: &mut Progress<'_>,
+) -> Result<Array2<f32>, Error> {
+    progress.at(Stage::Features, share.start)?;
+    let config = &model.weights().config;
+    let inputs = {
+        // Gradients take a graph again, but for who listens no stage comes twice.
+        let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
+        network_inputs(prepared, operator_shape, config.eigenpairs, config.position, &mut within)
+            .map_err(|_| Cancelled { stage: Stage::Features })?
+    };
+    progress.at(Stage::Features, share.end)?;
+    let embedding = match embed(model, &inputs).await {
+        Ok(embedding) => embedding,
+        Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+        Err(Interrupted::Failed(fallback)) => {
+            prepared.info.fallback = Some(fallback);
+            model.on_cpu().embed(&inputs).await
+        }
+    };
+    Ok(prepared.embedding.insert(embedding).parts.clone())
+}
+
+async fn embed<D: Device>(model: &Model<D>, inputs: &ShapeInputs) -> Result<PointEmbedding, Interrupted> {
+    let embedding = model.embed(inputs).await;
+    still_well(model.device(), Stage::Features)?;
+    Ok(embedding)
+}
+
+/// All of [`prepare`] but the network, the shape that operators were built on (its points are the carriers), and its Laplacian.
+pub(crate) fn prepare_with_shape(
+    shape: Shape,
+    name: Option<String>,
+    options: &PrepareOptions,
+    progress: &mut Progress,
+) -> Result<(PreparedShape, Shape, Laplacian), Error> {
+    options.check()?;
+    let as_read = shape;
+    let mut repairs = as_read.repairs().to_vec();
+    let n = as_read.points().len();
+    let in_faces = surface_points(&as_read).len();
+    let used_shape = match options.faces {
+        FaceUse::Use if as_read.faces().is_empty() || 2 * in_faces >= n => as_read.welded(),
+        FaceUse::Use => {
+            let message = format!("only {in_faces} of {n} points belong to a face: the scan was taken as a cloud");
+            repairs.push(Repair::noted("faces-set-aside", as_read.faces().len(), message));
+            as_read.clone().without_faces()
+        }
+        FaceUse::Ignore => as_read.clone().without_faces(),
+    };
+
+    progress.at(Stage::Sample, 0.0)?;
+    let surface = surface_points(&used_shape);
+    // Cotangents need the mesh; the other kinds are built on the points that are used.
+    let kind = options.laplacian.unwrap_or(operators::default_kind(&used_shape));
+    let on_mesh = kind == LaplacianKind::Cotangent && !used_shape.faces().is_empty();
+    let more = if on_mesh { THIN_LIMIT } else { options.points / 2 };
+    let most = options.points.saturating_add(more).max(if on_mesh { MESH_LIMIT } else { 0 });
+    check_size(surface.len().min(most), options.eigenpairs)?;
+    let Crumbs { body: surface, crumbs, far, pieces: crumb_count } = set_crumbs_aside(&used_shape, &surface);
+    repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
+        let bits = counted(crumb_count, "bit", "bits");
+        format!(
+            "{} in {bits} apart from the body set aside; {} of them too far from it to be matched",
+            counted(crumbs.len(), "point", "points"),
+            far.len()
+        )
+    }));
+    if surface.len() < MIN_POINTS {
+        return Err(ShapeError::TooFewPoints { found: surface.len(), needed: MIN_POINTS }.into());
+    }
+    if on_mesh && surface.len() > MESH_LIMIT {
+        let count = surface.len();
+        let message =
+            format!("the mesh has {count} vertices, more than {MESH_LIMIT}: its basis is that of a simplified one");
+        repairs.push(Repair::noted("mesh-simplified", count, message));
+    }
+    let mut share: f64 = 0.0;
+    let mut heard = |done| {
+        // Several samplings follow one another.
+        share = share.max(0.9 * done);
+        progress.at(Stage::Sample, share)
+    };
+    let (mut support, operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
+    if operator_shape.points().len() < MIN_POINTS {
+        return Err(ShapeError::TooFewPoints { found: operator_shape.points().len(), needed: MIN_POINTS }.into());
+    }
+    repairs.extend(Repair::counted("thin-parts-lost", lost, || {
+        let points = counted(lost, "point", "points");
+        format!("{points} in parts too thin for the simplified mesh; they are matched like what they hang on")
+    }));
+    support.unmatched = (!far.is_empty()).then_some(far);
+    let used: Vec<[f64; 3]> =
+        (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
+    let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
+
+    let geometry = Geometry::of(&operator_shape, kind, None, (&support, &coarse), options.eigenpairs, progress)?;
+    let Geometry { laplacian, basis, report, features, surface } = geometry;
+    repairs.extend(not_proved(&report, &basis));
+
+    let info = Info {
+        kind: if used_shape.faces().is_empty() { ShapeKind::Cloud } else { ShapeKind::Mesh },
+        name,
+        points: n,
+        faces: as_read.faces().len(),
+        pieces: pieces(&laplacian),
+        points_used: used.len(),
+        unit: unit(&used),
+        up_axis: options.up.or(as_read.up()).or_else(|| longest_axis(&used)),
+        scale: operators::surface_area(&operator_shape, &laplacian).sqrt(),
+        laplacian: kind,
+        eigenpairs: basis.k(),
+        residual: report.residual,
+        seconds: BTreeMap::new(),
+        fallback: None,
+    };
+    let prepared =
+        PreparedShape { shape: as_read, info, repairs, basis, support, coarse, surface, features, embedding: None };
+    Ok((prepared, operator_shape, laplacian))
+}
+
+/// What the network sees of a prepared shape, whose operators were built on `operator_shape`; k eigenpairs.
+pub(crate) fn network_inputs(
+    prepared: &PreparedShape,
+    operator_shape: &Shape,
+    k: usize,
+    position: Position,
+    progress: &mut Progress,
+) -> Result<ShapeInputs, Cancelled> {
+    let matchable = prepared.matchable();
+    let gradient = gradient(operator_shape, progress)?;
+    let k = k.min(prepared.basis.k());
+    let unit_area = prepared.basis.mass.sum();
+    let rows: Vec<usize> = match &prepared.support.used {
+        Some(used) => used.iter().map(|&carrier| carrier as usize).collect(),
+        None => (0..prepared.basis.len()).collect(),
+    };
+    // Φ grows with √area and ∂ with it once more when lengths are measured in √area.
+    let scale = unit_area.sqrt() * prepared.info.scale;
+    let gradients = gradient.along.map(|along| {
+        let mut out = Array2::zeros((rows.len(), k));
+        for (mut out, &i) in out.rows_mut().into_iter().zip(&rows) {
+            for (j, &g) in along.outer_view(i).iter().flat_map(|row| row.iter()) {
+                let phi = prepared.basis.eigenvectors.slice(s![j, ..k]);
+                out.zip_mut_with(&phi, |out, phi| *out += (g * phi * scale) as f32);
+            }
+        }
+        out
+    });
+    let [along, across] = &gradients;
+    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), k, position))
+}
+
+/// Points that carry surface: of a mesh those that belong to a face, of a cloud one at each place, because copies would take the
+/// places of neighbours.
+fn surface_points(shape: &Shape) -> Vec<u32> {
+    if shape.faces().is_empty() {
+        return shape
+            .first_at_place()
+            .into_iter()
+            .enumerate()
+            .filter(|&(i, f)| i == f as usize)
+            .map(|(_, f)| f)
+            .collect();
+    }
+    let mut on_surface = vec![false; shape.points().len()];
+    shape.faces().iter().flatten().for_each(|&i| on_surface[i as usize] = true);
+    (0..on_surface.len() as u32).filter(|&i| on_surface[i as usize]).collect()
+}
+
+/// Connected pieces of the surface or neighbourhood graph; points without surface do not count.
+fn pieces(laplacian: &Laplacian) -> usize {
+    let edges = laplacian.matrix.iter().filter(|&(&value, (i, j))| value != 0.0 && i != j);
+    let (label, count) = components(laplacian.len(), edges.map(|(_, (i, j))| (i as u32, j as u32)));
+    let mut carries = vec![false; count];
+    label.iter().zip(&laplacian.mass).for_each(|(&piece, &mass)| carries[piece as usize] |= mass > 0.0);
+    carries.into_iter().filter(|&carries| carries).count()
+}
+
+/// Extents along the three axes.
+fn extents(points: &[[f64; 3]]) -> [f64; 3] {
+    std::array::from_fn(|c| {
+        let (low, high) =
+            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[c]), high.max(p[c])));
+        high - low
+    })
+}
+
+/// The unit in which the longest extent is that of a body, between a small animal and a tall person with raised arms: 0.3 m to 2.6 m.
+fn unit(points: &[[f64; 3]]) -> Option<String> {
+    let longest = extents(points).into_iter().fold(0.0, f64::max);
+    [("m", 1.0), ("cm", 100.0), ("mm", 1000.0)]
+        .into_iter()
+        .find(|(_, per_metre)| (0.3..2.6).contains(&(longest / per_metre)))
+        .map(|(name, _)| name.to_owned())
+}
+
+/// The axis along which the scan is much longer (by half) than along the others: that of somebody standing, and not of a quadruped.
+fn longest_axis(points: &[[f64; 3]]) -> Option<Axis> {
+    let extents = extents(points);
+    [Axis::X, Axis::Y, Axis::Z]
+        .into_iter()
+        .enumerate()
+        .find_map(|(c, axis)| (0..3).all(|other| other == c || extents[c] > 1.5 * extents[other]).then_some(axis))
+}

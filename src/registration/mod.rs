@@ -1,0 +1,12 @@
+//! Registration: the frame that two bodies are first compared in, and rounds of matching in which each body is deformed onto the other.
+
+mod alignment;
+mod as_rigid_as_possible;
+mod chirality;
+mod deformation;
+mod initial;
+mod refine;
+
+pub(crate) use alignment::{Rotation, best_rotation_and_certainty, turned};
+pub use initial::initial_maps;
+pub use refine::{COARSE, Refined, Refinement, refine};
