@@ -1,9 +1,9 @@
 // What each piece of the method is worth (the paper's Table 3, on our data) → benches/results/ablations.md. Every variant trains for the same time, from
-// nothing: `npm run ablate -- --minutes 10`. What an earlier call trained, or measured with the same program, is not done again.
+// nothing, once with each seed: `npm run ablate -- --minutes 10`. What an earlier call trained, or measured with the same program, is not done again.
 import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { isDeepStrictEqual, parseArgs } from 'node:util';
-import { evaluationSets, markdown, number, programCommit, programHash, share } from './evaluate.mjs';
+import { evaluationSets, markdown, meanError, number, programCommit, programHash, share } from './evaluate.mjs';
 import { buildNative, nativeProgram } from './native.mjs';
 import { Failure, main, root, run, say } from './run.mjs';
 import { bodyData, runTrainer } from './train.mjs';
@@ -12,10 +12,12 @@ const TABLE = path.join(root, 'benches/results/ablations.md');
 /** Stands above what this script leaves alone. */
 export const MARKER = '<!-- npm run ablate writes what stands above, and keeps what stands below. -->';
 const SETS = ['held-out', 'faust_r'];
+/** Bodies of the first of them, each the source of two pairs. */
+const HELD_OUT = '36';
 /** The first columns say which row it is. */
-const KEY = ['variant', 'parts', 'minutes', 'bodies', 'pairs'];
+const KEY = ['variant', 'parts', 'minutes', 'bodies', 'pairs', 'seeds'];
 const HEAD = [
-  ...[...KEY, 'commit'],
+  ...[...KEY, 'sources', 'commit'],
   ...SETS.flatMap((set) => ['mesh', 'cloud'].flatMap((mode) => [`${set}, ${mode}`, 'refined'])),
   'parts agree',
 ];
@@ -46,10 +48,10 @@ const learnsParts = ({ run, paper }) => !paper && run?.losses.parts !== 0;
 /** Which labels the matches of a variant use, one row each. */
 export const partsOf = (variant) => variant.parts ?? [learnsParts(variant) ? 'predicted' : 'given'];
 
-/** Trains a variant; returns its weights, and the commit that they were trained at. */
-function train(name, variant, { minutes, bodies, folder }) {
+/** Trains a variant from a seed; returns its weights, and the commit that they were trained at. */
+function train(name, variant, { minutes, bodies, folder, seed }) {
   const { run: changes = {}, network = {}, laplacian, paper, teacher } = variant;
-  const out = path.join(folder, name.replaceAll(/\W+/g, '-'));
+  const out = path.join(folder, name.replaceAll(/\W+/g, '-'), `seed-${seed}`);
   const weights = path.join(out, 'weights.safetensors');
   const done = path.join(out, 'done.json');
   const known = existsSync(done) ? JSON.parse(readFileSync(done, 'utf8')) : {};
@@ -60,7 +62,7 @@ function train(name, variant, { minutes, bodies, folder }) {
   const trainer = (...more) =>
     runTrainer('train', [
       ...['--data', bodyData(), '--out', out, '--samples', samples, '--bodies', bodies],
-      ...['--run', JSON.stringify({ ...changes, minutes, name }), '--network', JSON.stringify(network)],
+      ...['--run', JSON.stringify({ ...changes, minutes, name, seed }), '--network', JSON.stringify(network)],
       ...(laplacian ? ['--laplacian', laplacian] : []),
       ...(paper ? ['--paper'] : []),
       ...(teacher ? ['--teacher', teacher] : []),
@@ -68,7 +70,7 @@ function train(name, variant, { minutes, bodies, folder }) {
     ]);
   say(`${name}: ${bodies} bodies`);
   trainer('--only-samples');
-  say(`${name}: ${minutes} minutes`);
+  say(`${name}: ${minutes} minutes, seed ${seed}`);
   const commit = programCommit();
   trainer();
   writeFileSync(done, JSON.stringify({ variant, commit }));
@@ -90,6 +92,25 @@ function measure(weights, variant, { dataset, mode, parts, limit }) {
   return JSON.parse(readFileSync(file, 'utf8'));
 }
 
+/** The mean of what every seed gave, and each of that: `2.31: 2.28, 2.34`; with one seed its figure. `shown` writes what one seed gave, `digits` a number. */
+function overSeeds(found, value, digits, shown = (one) => digits(value(one))) {
+  const values = found.map(value);
+  const each = found.map(shown).join(', ');
+  if (values.includes(null)) return digits(null);
+  if (found.length === 1) return each;
+  return `${digits(values.reduce((sum, one) => sum + one, 0) / values.length)}: ${each}`;
+}
+
+/** Figures of a row: of each measurement (a set in a mode) what every seed gave. */
+export function figures(measurements) {
+  const two = (value) => number(value, 2);
+  const errors = measurements.flatMap((found) => [
+    overSeeds(found, (one) => one.age_raw, two),
+    overSeeds(found, (one) => one.age, two, meanError),
+  ]);
+  return [...errors, overSeeds(measurements.at(-1), (one) => one.part_agreement, share)];
+}
+
 /** The page `text` with `rows` in it. Its other rows and its notes stay. */
 export function updated(text, rows) {
   const [above, notes] = text.split(MARKER);
@@ -101,8 +122,9 @@ export function updated(text, rows) {
   const all = [...old.map(cells), ...rows].map((row) => [row.slice(0, KEY.length).join(), row]);
   return `# What each piece is worth
 
-\`npm run ablate\` trains every variant from nothing at the commit named, for so many minutes on so many bodies, and measures it with \`--network-only\`: no map
-made without the network takes the place of a bad one. Mean geodesic errors ×100/√area, before and after refinement. Where parts are predicted, "parts agree"
+\`npm run ablate\` trains every variant from nothing at the commit named, for so many minutes on so many bodies with each of so many seeds, and measures it with
+\`--network-only\`: no map made without the network takes the place of a bad one. Mean geodesic errors ×100/√area, before and after refinement: the mean over seeds,
+then that of each seed, after refinement with the 95 % interval of a bootstrap that draws sources, each with all its pairs. Sources are those of ${SETS.join(' and ')}. Where parts are predicted, "parts agree"
 is the share of true pairs of faust_r clouds whose two points have the same predicted part; no map enters. A network that does not learn parts is given the
 set's labels, in attention as the paper's is and to keep points in their part; "as it ships" stands there with given labels too, for comparison.
 
@@ -120,36 +142,45 @@ await main(import.meta, (args) => {
         minutes: { type: 'string' },
         bodies: { type: 'string' },
         limit: { type: 'string' },
+        seeds: { type: 'string' },
         only: { type: 'string', multiple: true },
       },
     }).values;
   } catch (error) {
     throw new Failure(
-      `${error.message}\nOptions: --minutes N for each variant, --bodies N to train on, --limit N pairs of each set, --only NAME of a variant (more than once).`,
+      `${error.message}\nOptions: --minutes N for each variant, --bodies N to train on, --limit N pairs of each set, --seeds N to train each variant with, --only NAME of a variant (more than once).`,
     );
   }
   const minutes = Number(options.minutes ?? 10);
   if (!(minutes > 0)) throw new Failure(`--minutes must be a number above 0, and is ${options.minutes}.`);
-  const [limit, bodies] = [options.limit ?? '20', options.bodies ?? '1500'];
+  const [limit, bodies, seeds] = [options.limit ?? '60', options.bodies ?? '1500', options.seeds ?? '2'];
+  if (!/^[1-9]\d*$/.test(seeds)) throw new Failure(`--seeds must be a whole number from 1, and is ${seeds}.`);
   const unknown = options.only?.filter((name) => !(name in VARIANTS)) ?? [];
   if (unknown.length > 0) throw new Failure(`--only must be one of: ${Object.keys(VARIANTS).join(', ')}.`);
+  const page = () => (existsSync(TABLE) ? readFileSync(TABLE, 'utf8') : '');
+  // A page that rows cannot be added to is refused before anything is trained.
+  updated(page(), []);
   const folder = path.join(root, `runs/ablations-${minutes}-${bodies}`);
-  const held = path.join(root, 'runs/held-out');
+  const held = path.join(root, `runs/held-out-${HELD_OUT}`);
   if (!existsSync(path.join(held, 'pairs.txt')))
-    runTrainer('bodies', ['set', '--data', bodyData(), '--out', held, '--seed', '900001', '--count', '24']);
+    runTrainer('bodies', ['set', '--data', bodyData(), '--out', held, '--seed', '900001', '--count', HELD_OUT]);
   const sets = SETS.map((set) => (set === 'held-out' ? held : path.join(evaluationSets(), set)));
   buildNative();
   for (const name of options.only ?? Object.keys(VARIANTS)) {
     const variant = VARIANTS[name];
-    const { weights, commit } = train(name, variant, { minutes, bodies, folder });
+    const trained = Array.from({ length: Number(seeds) }, (_, i) => train(name, variant, { minutes, bodies, folder, seed: i + 1 }));
+    const commit = [...new Set(trained.map((one) => one.commit))].join(', ');
     const commits = commit === programCommit() ? commit : `${commit}, measured at ${programCommit()}`;
     for (const parts of partsOf(variant)) {
-      const found = sets.flatMap((dataset) => ['mesh', 'cloud'].map((mode) => measure(weights, variant, { dataset, mode, parts, limit })));
-      const errors = found.flatMap((f) => [number(f.age_raw, 2), number(f.age, 2)]);
-      const row = [name, parts, `${minutes}`, bodies, limit, commits, ...errors, share(found.at(-1).part_agreement)];
+      const measured = sets.flatMap((dataset) =>
+        ['mesh', 'cloud'].map((mode) => trained.map(({ weights }) => measure(weights, variant, { dataset, mode, parts, limit }))),
+      );
+      // Both modes of a set have the same pairs.
+      const sources = SETS.map((_, set) => measured[2 * set][0].sources).join(', ');
+      const row = [name, parts, `${minutes}`, bodies, limit, seeds, sources, commits, ...figures(measured)];
       // After every row, so that what was measured is there whenever the run ends.
       mkdirSync(path.dirname(TABLE), { recursive: true });
-      writeFileSync(TABLE, updated(existsSync(TABLE) ? readFileSync(TABLE, 'utf8') : '', [row]));
+      writeFileSync(TABLE, updated(page(), [row]));
       say(TABLE);
     }
   }

@@ -11,7 +11,9 @@ const TABLE = path.join(root, 'benches/results/accuracy.md');
 // By default the geodesic one, limbs in contact told apart by their parts; the one called geodesic knows no parts.
 const CLOUD_LAPLACIANS = ['default', 'geodesic', 'euclidean', 'geodesic-literal'];
 /** The set that is measured in any orientation too, and on how many pairs. */
-const TURNED = { set: 'faust_r', rotate: 'so3', most: 20 };
+const TURNED = { set: 'faust_r', rotate: 'so3', most: 40 };
+/** How many pairs, and from how many sources, a figure should come from. */
+const ENOUGH = { pairs: 40, sources: 10 };
 
 /** Folder of the evaluation sets. */
 export function evaluationSets() {
@@ -41,6 +43,14 @@ export function plan(folder) {
     const oracles = [['mesh', 'cotangent'], ...CLOUD_LAPLACIANS.map((laplacian) => ['cloud', laplacian])];
     return [...matches, ...oracles.map(([mode, laplacian]) => ({ set, mode, laplacian, oracle: true }))];
   });
+}
+
+/** How many pairs a set has, and from how many sources. */
+export function sizeOf(folder, set) {
+  const list = path.join(folder, set, 'pairs.txt');
+  const lines = existsSync(list) ? readFileSync(list, 'utf8').split('\n') : [];
+  const pairs = lines.map((line) => line.trim()).filter((line) => line !== '');
+  return { pairs: pairs.length, sources: new Set(pairs.map((pair) => pair.split(/\s+/)[0])).size };
 }
 
 /** What tells the native program from those built before and after. */
@@ -78,11 +88,29 @@ function measure(folder, task, limit) {
 }
 
 export const number = (value, digits) => (value === null ? '–' : value.toFixed(digits));
+/** The mean error and its 95 % interval. */
+export const meanError = ({ age, age_interval: interval }) =>
+  interval ? `${number(age, 2)} (${interval.map((end) => number(end, 1)).join('–')})` : number(age, 2);
 export const share = (value) => (value === null ? '–' : `${(100 * value).toFixed(1)} %`);
 const accuracies = ({ accuracy }) => ['0.01', '0.02', '0.05'].map((within) => share(accuracy?.[within] ?? null));
 
 export const markdown = (head, rows) =>
   [head, head.map((_, column) => (column < 3 ? '---' : '---:')), ...rows].map((row) => `| ${row.join(' | ')} |`).join('\n');
+
+const modeOf = ({ mode, rotate }) => (rotate ? `${mode}, ${rotate}` : mode);
+
+/** A sentence that names the cells with fewer pairs or sources than they should have although the set, of the size `sizeOf(set)`, has more; else nothing. */
+export function warning(measured, sizeOf) {
+  const short = measured.filter(({ set, found }) =>
+    Object.entries(ENOUGH).some(([what, enough]) => found[what] < Math.min(enough, sizeOf(set)[what])),
+  );
+  if (short.length === 0) return '';
+  const named = short.map((task) => {
+    const { set, parts, laplacian, oracle, found } = task;
+    return `${set} ${modeOf(task)}, ${oracle ? laplacian : `parts ${parts}`} (${found.pairs} from ${found.sources})`;
+  });
+  return `**Small samples**, though the sets have more: fewer than ${ENOUGH.pairs} pairs or ${ENOUGH.sources} sources stand behind ${named.join('; ')}.`;
+}
 
 /** The tables of what was found: matches, and what the bases allow. */
 export function tables(measured) {
@@ -90,30 +118,32 @@ export function tables(measured) {
   const matches = measured
     .filter(({ oracle }) => !oracle)
     .map(({ set, mode, parts, rotate, found }) => [
-      ...[set, rotate ? `${mode}, ${rotate}` : mode, parts, found.pairs],
-      ...[number(found.age, 2), number(found.age_raw, 2), ...accuracies(found)],
+      ...[set, modeOf({ mode, rotate }), parts, found.pairs, found.sources],
+      ...[meanError(found), number(found.age_raw, 2), ...accuracies(found)],
       ...[found.flips ?? '–', share(found.flipped_points), number(found.part_miou, 3), share(found.part_agreement)],
       ...[number(found.confidence_auc, 3), number(found.ece, 3)],
       ...[number(found.seconds_per_shape, 2), number(found.seconds_per_pair, 2)],
     ]);
   const oracles = measured
     .filter(({ oracle }) => oracle)
-    .map(({ set, mode, laplacian, found }) => [set, mode, laplacian, found.pairs, number(found.age, 2), ...accuracies(found)]);
-  const head = ['set', 'mode', 'parts', 'pairs', 'error', 'before refinement', ...within];
+    .map(({ set, mode, laplacian, found }) => [set, mode, laplacian, found.pairs, found.sources, meanError(found), ...accuracies(found)]);
+  const head = ['set', 'mode', 'parts', 'pairs', 'sources', 'error', 'before refinement', ...within];
   return [
     markdown([...head, 'flips', 'flipped points', 'part mIoU', 'part agreement', 'confidence AUC', 'ECE', 's/shape', 's/pair'], matches),
-    markdown(['set', 'mode', 'Laplacian', 'pairs', 'error', ...within], oracles),
+    markdown(['set', 'mode', 'Laplacian', 'pairs', 'sources', 'error', ...within], oracles),
   ];
 }
 
-function page(measured, command) {
+function page(measured, sizeOf, command) {
   const [matches, oracles] = tables(measured);
+  const short = warning(measured, sizeOf);
   return `# Accuracy
 
 \`${command}\` at commit ${programCommit()}. Data and protocol are those of the evaluation sets' README; errors are mean geodesic errors
-×100/√area, "≤ ε" the share of points with an error of at most ε. In rows of so3 every shape was turned by a random rotation first. Seconds were taken on
+×100/√area with the 95 % interval of a bootstrap in brackets that draws sources (first shapes of pairs), each with all its pairs; "≤ ε" is the share of
+points with an error of at most ε. Pairs are a fair sample where a set has more. In rows of so3 every shape was turned by a random rotation first. Seconds were taken on
 ${os.cpus()[0]?.model ?? 'an unknown processor'}, ${os.availableParallelism()} pairs at a time.
-
+${short && `\n${short}\n`}
 ${matches}
 
 ## What the bases allow
@@ -137,6 +167,9 @@ await main(import.meta, async (args) => {
   buildNative();
   const measured = plan(folder).map((task) => measure(folder, task, limit));
   mkdirSync(path.dirname(TABLE), { recursive: true });
-  writeFileSync(TABLE, page(measured, ['npm run evaluate', ...(limit ? [`-- --limit ${limit}`] : [])].join(' ')));
+  writeFileSync(
+    TABLE,
+    page(measured, (set) => sizeOf(folder, set), ['npm run evaluate', ...(limit ? [`-- --limit ${limit}`] : [])].join(' ')),
+  );
   say(TABLE);
 });

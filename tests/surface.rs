@@ -40,11 +40,11 @@ fn samples_touch_along_the_surface_only() {
     let options = PrepareOptions { points: 3000, eigenpairs: 60, ..Default::default() };
     let shape = prepared(pair.shape(), &options);
     let places = samples(&shape);
-    let across = shape.surface.touching.iter().filter(|pair| {
+    let across = shape.surface.adjacent.iter().filter(|pair| {
         let [one, other] = pair.map(|row| places[row as usize][2] > 1.015);
         one != other
     });
-    let (across, touching) = (across.count(), shape.surface.touching.len());
+    let (across, touching) = (across.count(), shape.surface.adjacent.len());
     println!("{across} of {touching} pairs lead from one ball to the other");
     assert!(across <= 2 && touching > 5 * places.len() / 2, "{across} {touching}");
 }
@@ -75,15 +75,15 @@ fn every_point_has_a_sample_near_it_and_every_sample_another_one() {
             .zip(0..)
             .for_each(|(&row, sample)| assert_eq!(surface.cell[row as usize], sample, "{name}"));
         let mut held = vec![0; places.len()];
-        surface.touching.iter().flatten().for_each(|&row| held[row as usize] += 1);
+        surface.adjacent.iter().flatten().for_each(|&row| held[row as usize] += 1);
         let alone = held.iter().filter(|&&count| count == 0).count();
         println!(
             "{name}: {:.2} neighbours on average, {alone} alone",
-            2.0 * surface.touching.len() as f64 / held.len() as f64
+            2.0 * surface.adjacent.len() as f64 / held.len() as f64
         );
         assert!(alone <= places.len() / 100, "{name}: {alone}");
         assert!(surface.normals.iter().all(|n| (distance(*n, [0.0; 3]) - 1.0).abs() < 1e-9), "{name}");
     }
     let small = prepared(icosphere(2).shape(), &quick());
-    assert_eq!(small.surface.touching.len(), 480, "all points are samples, so the edges are those of the mesh");
+    assert_eq!(small.surface.adjacent.len(), 480, "all points are samples, so the edges are those of the mesh");
 }

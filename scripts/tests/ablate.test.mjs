@@ -1,10 +1,10 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { MARKER, VARIANTS, partsOf, updated } from '../ablate.mjs';
+import { MARKER, VARIANTS, figures, partsOf, updated } from '../ablate.mjs';
 import { Failure } from '../run.mjs';
 
 /** A row with this figure in every column of figures. */
-const row = (variant, bodies, figure) => [variant, 'predicted', '10', bodies, '20', 'abc1234', ...Array(9).fill(figure)];
+const row = (variant, bodies, figure) => [variant, 'predicted', '10', bodies, '60', '2', '36, 20', 'abc1234', ...Array(9).fill(figure)];
 const rows = (text) => text.split('\n').filter((line) => /^\| w/.test(line));
 
 test('what was not measured now stays, and so do notes', () => {
@@ -12,7 +12,7 @@ test('what was not measured now stays, and so do notes', () => {
   const noted = `${first}\nA note.\n\n| without c | of another day |\n`;
   const second = updated(noted, [row('without a', '400', '3.00'), row('without a', '1500', '4.00')]);
   assert.deepEqual(
-    rows(second).map((line) => line.split(' | ').filter((_, column) => [0, 3, 6].includes(column))),
+    rows(second).map((line) => line.split(' | ').filter((_, column) => [0, 3, 8].includes(column))),
     [['| without a', '400', '3.00'], ['| without b', '400', '2.00'], ['| without a', '1500', '4.00'], ['| without c']],
   );
   assert.ok(second.endsWith(`${MARKER}\n\nA note.\n\n| without c | of another day |\n`));
@@ -22,6 +22,19 @@ test('what was not measured now stays, and so do notes', () => {
 test('a page that rows or notes would be lost from is refused', () => {
   assert.throws(() => updated('# Notes by hand\n', []), Failure);
   assert.throws(() => updated(`| variant | error |\n| --- | --- |\n| without a | 1.00 |\n\n${MARKER}\n`, []), Failure);
+});
+
+test('a row shows the mean over seeds, what each seed gave, and how sure that is', () => {
+  const found = (age, interval, raw, agreement) => ({ age, age_interval: interval, age_raw: raw, part_agreement: agreement });
+  const mesh = [found(2, [1.84, 2.3], 3, 0.9), found(2.5, [2.1, 2.96], 3.25, 0.8)];
+  const cloud = [found(4, [3.5, 4.5], 5, 0.7), found(5, [4.25, 6], 5.5, 0.75)];
+  assert.deepEqual(figures([mesh, cloud]), [
+    ...['3.13: 3.00, 3.25', '2.25: 2.00 (1.8–2.3), 2.50 (2.1–3.0)'],
+    ...['5.25: 5.00, 5.50', '4.50: 4.00 (3.5–4.5), 5.00 (4.3–6.0)', '72.5 %: 70.0 %, 75.0 %'],
+  ]);
+  assert.deepEqual(figures([[found(2, [1.84, 2.3], 3, 0.9)]]), ['3.00', '2.00 (1.8–2.3)', '90.0 %']);
+  // A network that knows no parts agrees on none.
+  assert.equal(figures([[found(2, null, 3, null), found(2, null, 3, null)]]).at(-1), '–');
 });
 
 test('only networks that do not learn parts are given them, and what ships for comparison', () => {

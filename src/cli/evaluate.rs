@@ -1,5 +1,7 @@
 //! `geose-fmap evaluate --dataset DIR --mode mesh|cloud|mesh-cloud`
 
+use std::path::Path;
+
 use super::map_file::check_folder;
 use super::{Failure, PathBuf, Preparing, Running, parse, write};
 use crate::evaluate::{Mode, Rotate, Task, evaluate};
@@ -16,7 +18,7 @@ pub(super) struct Arguments {
     /// A file of pairs `A B`, one a line, in place of the set's own.
     #[arg(long)]
     pairs: Option<PathBuf>,
-    /// Only that many pairs: those whose lines come first by FNV-1a hash. Shapes where the set has no pairs.
+    /// Only that many pairs, a fair sample: those whose lines come first by a hash. Shapes where the set has no pairs.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     limit: Option<u32>,
     /// none, zoomout or best.
@@ -34,7 +36,7 @@ pub(super) struct Arguments {
     /// Measures the functional map of the true match, without refinement or parts: what the bases can do at best.
     #[arg(long)]
     oracle: bool,
-    /// Where the measurements go as JSON.
+    /// Where the measurements go as JSON; - is standard output, which then has nothing else.
     #[arg(long)]
     json: Option<PathBuf>,
     #[command(flatten)]
@@ -62,9 +64,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         oracle: arguments.oracle,
     };
     let measured = evaluate(&task, arguments.running.model()?, &|line| eprintln!("{line}"))?;
-    println!("{measured}");
-    match &arguments.json {
-        Some(file) => write(file, &(serde_json::to_string_pretty(&measured)? + "\n")),
-        None => Ok(()),
+    let json = || serde_json::to_string_pretty(&measured);
+    match arguments.json.as_deref() {
+        Some(file) if file == Path::new("-") => println!("{}", json()?),
+        file => {
+            println!("{measured}");
+            file.map_or(Ok(()), |file| write(file, &(json()? + "\n")))?;
+        }
     }
+    Ok(())
 }

@@ -5,8 +5,11 @@ mod calibration;
 mod cores;
 mod dataset;
 mod error;
+mod interval;
 mod oracle;
+mod overlap;
 mod part_classes;
+mod random;
 #[cfg(feature = "train")]
 pub mod refit;
 mod report;
@@ -16,7 +19,7 @@ mod selection;
 mod table;
 mod truth;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -39,8 +42,10 @@ use calibration::{Judged, RIGHT, area_under_curve, calibration_error};
 use cores::on_all_cores;
 use dataset::{DataSet, Labelled};
 pub use error::EvaluationError;
+use interval::interval;
+use overlap::Overlap;
 use part_classes::class_of_parts;
-pub use report::{Evaluation, PairResult};
+pub use report::{Evaluation, PairResult, Pieces};
 pub use rotation::Rotate;
 use ruler::Ruler;
 use truth::Truth;
@@ -85,7 +90,7 @@ pub struct Task {
     pub dataset: PathBuf,
     /// A list of pairs in place of the set's own.
     pub pairs: Option<PathBuf>,
-    /// How many pairs, or shapes of a set without pairs; those whose lines come first by FNV-1a hash.
+    /// How many pairs, or shapes of a set without pairs; those whose lines come first by a hash.
     pub limit: Option<usize>,
     /// What faces are used for.
     pub mode: Mode,
@@ -250,6 +255,8 @@ struct Measured {
     accuracy: [f64; THRESHOLDS.len()],
     part_agreement: Option<f64>,
     flipped_points: Option<f64>,
+    /// Where a template point is not on one of the two.
+    overlap: Option<Overlap>,
     /// One per line; none of an oracle, which has no doubts.
     judged: Vec<Judged>,
     seconds: f64,
@@ -285,6 +292,7 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
             .then(|| part_agreement(a, b, &truth.lines))
             .flatten(),
         flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
+        overlap: truth.paired.as_ref().map(|points| Overlap::of(points, &found)),
         judged,
         seconds,
     })
@@ -326,6 +334,8 @@ fn summary(
     let accuracy = THRESHOLDS.iter().enumerate().map(|(t, (name, _))| Some((*name, over_pairs(&|m| m.accuracy[t])?)));
     let flipped: Vec<bool> = measured.iter().filter_map(|m| m.result.flipped).collect();
     let judged: Vec<Judged> = measured.iter().flat_map(|m| m.judged.iter().copied()).collect();
+    let sources: BTreeSet<&str> = measured.iter().map(|m| m.result.source.as_str()).collect();
+    let overlaps: Vec<Overlap> = measured.iter().filter_map(|m| m.overlap).collect();
     Evaluation {
         set: set.name(),
         mode: task.mode,
@@ -335,11 +345,14 @@ fn summary(
         rotate: task.rotate,
         oracle: task.oracle,
         pairs: measured.len(),
+        sources: sources.len(),
         age: over_pairs(&|m| m.result.age),
+        age_interval: interval(measured.iter().map(|m| (m.result.source.as_str(), m.result.age))),
         age_raw: over_pairs(&|m| m.result.age_raw),
         accuracy: accuracy.collect(),
         flips: (!flipped.is_empty()).then(|| flipped.iter().filter(|&&flipped| flipped).count()),
         flipped_points: mean(measured.iter().filter_map(|m| m.flipped_points)),
+        pieces: (!overlaps.is_empty()).then(|| Pieces { overlap: Overlap::mean(&overlaps), scale_within_10: None }),
         part_miou: mean(ious.into_iter()),
         part_agreement: mean(measured.iter().filter_map(|m| m.part_agreement)),
         confidence_auc: area_under_curve(&judged),

@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{Mode, Rotate};
+use super::{Mode, Overlap, Rotate};
 use crate::pipeline::Parts;
 use crate::registration::Refinement;
 use crate::shape::counted;
@@ -29,8 +29,12 @@ pub struct Evaluation {
     pub oracle: bool,
     /// Pairs measured.
     pub pairs: usize,
+    /// Different shapes A of these pairs.
+    pub sources: usize,
     /// Mean error ×100, mean over pairs.
     pub age: Option<f64>,
+    /// 95 % of it, low and high: sources are drawn again, each with all of its pairs. `None` with fewer than two sources.
+    pub age_interval: Option<[f64; 2]>,
     /// The same before refinement; without refinement the same number.
     pub age_raw: Option<f64>,
     /// The share of lines with an error of at most the key (in √area), mean over pairs.
@@ -39,6 +43,9 @@ pub struct Evaluation {
     pub flips: Option<usize>,
     /// The share of lines nearer to the mirrored truth, mean over pairs.
     pub flipped_points: Option<f64>,
+    /// What only sets with pieces have.
+    #[serde(flatten)]
+    pub pieces: Option<Pieces>,
     /// Intersection over union of predicted and given parts by area, mean over parts, then over shapes.
     pub part_miou: Option<f64>,
     /// The share of corresponding points that have the same predicted part, mean over pairs.
@@ -53,6 +60,15 @@ pub struct Evaluation {
     pub seconds_per_pair: Option<f64>,
     /// Pair by pair.
     pub per_pair: Vec<PairResult>,
+}
+
+/// The measurements of pairs of which one shape lacks what the other has.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Pieces {
+    /// Whether matches tell which points have a partner.
+    pub overlap: Overlap,
+    /// The share of pairs whose ratio of scales is found to within 10 %. `None`: matching takes both shapes to be whole and does not look for it.
+    pub scale_within_10: Option<f64>,
 }
 
 /// The measurements of one pair.
@@ -80,11 +96,16 @@ impl fmt::Display for Evaluation {
             }
         };
         let pairs = counted(self.pairs, "pair", "pairs");
-        writeln!(f, "{}, mode {}, {how}, rotate {}: {pairs}", self.set, name(self.mode), name(self.rotate))?;
+        let of = match self.sources {
+            0 => String::new(),
+            sources => format!(" from {}", counted(sources, "source", "sources")),
+        };
+        writeln!(f, "{}, mode {}, {how}, rotate {}: {pairs}{of}", self.set, name(self.mode), name(self.rotate))?;
         if let (Some(age), Some(raw)) = (self.age, self.age_raw) {
+            let interval = self.age_interval.map(|[low, high]| format!(" (95 % interval {low:.2}–{high:.2})"));
             let before =
                 if self.refine == Refinement::None { String::new() } else { format!(", before refinement {raw:.2}") };
-            writeln!(f, "mean error {age:.2}{before} (×100/√area)")?;
+            writeln!(f, "mean error {age:.2}{}{before} (×100/√area)", interval.unwrap_or_default())?;
         }
         if let Some(accuracy) = &self.accuracy {
             let shares: Vec<_> =
@@ -93,6 +114,13 @@ impl fmt::Display for Evaluation {
         }
         if let (Some(flips), Some(points)) = (self.flips, self.flipped_points) {
             writeln!(f, "{flips} of {pairs} flipped, {:.1} % of points", 100.0 * points)?;
+        }
+        if let Some(Pieces { overlap: Overlap { iou, alone_said_alone, paired_said_alone }, .. }) = self.pieces {
+            let shares = [("of points alone", alone_said_alone), ("of points with a partner", paired_said_alone)];
+            let shares: Vec<_> =
+                shares.iter().filter_map(|(of, s)| Some(format!("{:.1} % {of}", 100.0 * (*s)?))).collect();
+            let iou = iou.map_or_else(|| "–".to_owned(), |iou| format!("{iou:.3}"));
+            writeln!(f, "overlap: IoU {iou}; said to be alone: {}", shares.join(", "))?;
         }
         let parts = [("mIoU", self.part_miou), ("agreement", self.part_agreement)];
         let confidence = [("AUC", self.confidence_auc), ("calibration error", self.ece)];

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use super::random::SplitMix64;
 use super::selection::fnv1a_64;
 use crate::shape::Axis;
 use crate::vector::{Vector, cross};
@@ -25,7 +26,7 @@ impl Rotate {
     /// The points of shape `name` turned about the origin. The rotation depends on seed and name alone, so that a shape
     /// is turned alike whichever pairs are measured.
     pub(super) fn turn(self, points: &[Vector], name: &str, seed: u64, up: Axis) -> Vec<Vector> {
-        let mut random = SplitMix64(seed ^ fnv1a_64(name.as_bytes()));
+        let mut random = SplitMix64::new(seed ^ fnv1a_64(name.as_bytes()));
         let quaternion = match self {
             Rotate::None => return points.to_vec(),
             Rotate::Up => {
@@ -51,20 +52,6 @@ fn turned(v: Vector, [w, x, y, z]: [f64; 4]) -> Vector {
     let inner = cross(u, v);
     let outer = cross(u, std::array::from_fn(|c| inner[c] + w * v[c]));
     std::array::from_fn(|c| v[c] + 2.0 * outer[c])
-}
-
-/// Steele, Lea & Flood 2014: the same numbers on every machine.
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    /// In [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
 }
 
 #[cfg(test)]

@@ -46,36 +46,36 @@ impl Ruler {
         Errors { predicted, each }
     }
 
-    /// Whether the match as a whole is nearer to the mirrored truth.
-    pub(super) fn is_flipped(&self, errors: &Errors, mirrored: &[u32]) -> bool {
-        let total: f64 = errors.each.iter().sum();
+    /// Whether the match as a whole is nearer to the mirrored truth, over the lines that have one: `mirrored` is (line, vertex).
+    pub(super) fn is_flipped(&self, errors: &Errors, mirrored: &[(usize, u32)]) -> bool {
+        let total: f64 = mirrored.iter().map(|&(line, _)| errors.each[line]).sum();
         // No path is shorter than the straight line: for a match the right way round that settles it without a single
         // search.
-        let straight = |(&p, &m): (&u32, &u32)| match p {
+        let straight = |&(line, m): &(usize, u32)| match errors.predicted[line] {
             UNMATCHED => self.worst,
             p => squared_distance(self.points[p as usize], self.points[m as usize]).sqrt() / self.distances.root_area(),
         };
-        if errors.predicted.iter().zip(mirrored).map(straight).sum::<f64>() >= total {
+        if mirrored.iter().map(straight).sum::<f64>() >= total {
             return false;
         }
-        let pairs: Vec<(u32, u32)> = errors.predicted.iter().copied().zip(mirrored.iter().copied()).collect();
+        let pairs: Vec<(u32, u32)> = mirrored.iter().map(|&(line, m)| (errors.predicted[line], m)).collect();
         let from_mirrored = point_errors(&self.distances, &pairs);
         from_mirrored.into_iter().map(|e| if e.is_infinite() { self.worst } else { e }).sum::<f64>() < total
     }
 
-    /// The share of lines whose prediction is nearer to the mirrored truth than to the truth.
-    pub(super) fn flipped_points(&self, errors: &Errors, mirrored: &[u32]) -> f64 {
-        let mut by_mirrored: Vec<usize> = (0..mirrored.len()).collect();
-        by_mirrored.sort_unstable_by_key(|&line| mirrored[line]);
+    /// The share of `mirrored` lines whose prediction is nearer to the mirrored truth than to the truth.
+    pub(super) fn flipped_points(&self, errors: &Errors, mirrored: &[(usize, u32)]) -> f64 {
+        let mut by_mirrored = mirrored.to_vec();
+        by_mirrored.sort_unstable_by_key(|&(_, m)| m);
         let mut search = BoundedDijkstra::new(self.distances.graph());
         let mut nearer = 0;
-        for row in by_mirrored.chunk_by(|&x, &y| mirrored[x] == mirrored[y]) {
+        for row in by_mirrored.chunk_by(|x, y| x.1 == y.1) {
             // Only what is nearer than the truth matters: look no farther.
-            let farthest = row.iter().map(|&line| errors.each[line]).fold(0.0, f64::max);
-            let reached = search.search(mirrored[row[0]], farthest * self.distances.root_area());
+            let farthest = row.iter().map(|&(line, _)| errors.each[line]).fold(0.0, f64::max);
+            let reached = search.search(row[0].1, farthest * self.distances.root_area());
             nearer += row
                 .iter()
-                .filter(|&&line| {
+                .filter(|&&(line, _)| {
                     let predicted = errors.predicted[line];
                     predicted != UNMATCHED && reached.to(predicted) / self.distances.root_area() < errors.each[line]
                 })
@@ -146,7 +146,12 @@ mod tests {
     }
 
     fn truth(lines: &[(u32, u32)]) -> Truth {
-        Truth { lines: lines.to_vec(), mirrored: None, vertex_of: None }
+        Truth { lines: lines.to_vec(), mirrored: None, vertex_of: None, paired: None }
+    }
+
+    /// A mirrored truth of every line.
+    fn mirrored(vertices: &[u32]) -> Vec<(usize, u32)> {
+        vertices.iter().copied().enumerate().collect()
     }
 
     #[test]
@@ -160,11 +165,14 @@ mod tests {
         assert!(errors.each.iter().zip(wanted).all(|(e, w)| (e - w).abs() < 1e-12), "{:?} {wanted:?}", errors.each);
         assert_eq!(errors.accuracy(0.5), 0.5);
         // Neither of the last two is any nearer to its mirror image, whatever that is.
-        assert_eq!(ruler.flipped_points(&errors, &[0, 4, 4, 4]), 0.0);
-        assert!(!ruler.is_flipped(&errors, &[0, 4, 4, 4]));
+        assert_eq!(ruler.flipped_points(&errors, &mirrored(&[0, 4, 4, 4])), 0.0);
+        assert!(!ruler.is_flipped(&errors, &mirrored(&[0, 4, 4, 4])));
         // Of the others, one on the very spot, and one on the piece where the prediction is.
-        assert_eq!(ruler.flipped_points(&errors, &[0, 8, 4, 72]), 0.5);
-        assert!(ruler.is_flipped(&errors, &[0, 8, 4, 72]));
+        assert_eq!(ruler.flipped_points(&errors, &mirrored(&[0, 8, 4, 72])), 0.5);
+        assert!(ruler.is_flipped(&errors, &mirrored(&[0, 8, 4, 72])));
+        // Lines without a mirrored truth have no say: the second and third are right or no nearer, the fourth is on the spot.
+        assert_eq!(ruler.flipped_points(&errors, &[(1, 8), (2, 4), (3, 70)]), 2.0 / 3.0);
+        assert!(ruler.is_flipped(&errors, &[(3, 70)]) && !ruler.is_flipped(&errors, &[(0, 6), (2, 4)]));
     }
 
     #[test]
@@ -182,10 +190,10 @@ mod tests {
         // The prediction is the first tip, the truth ten steps up its prong, the mirrored truth the tip of the other
         // prong.
         let errors = ruler.errors(&truth(&[(0, 20)]), &[0]);
-        assert!(!ruler.is_flipped(&errors, &[118]));
-        assert_eq!(ruler.flipped_points(&errors, &[118]), 0.0);
+        assert!(!ruler.is_flipped(&errors, &mirrored(&[118])));
+        assert_eq!(ruler.flipped_points(&errors, &mirrored(&[118])), 0.0);
         // Nine steps up the same prong is nearer than ten.
-        assert!(ruler.is_flipped(&errors, &[18]));
-        assert_eq!(ruler.flipped_points(&errors, &[18]), 1.0);
+        assert!(ruler.is_flipped(&errors, &mirrored(&[18])));
+        assert_eq!(ruler.flipped_points(&errors, &mirrored(&[18])), 1.0);
     }
 }

@@ -11,12 +11,14 @@ use crate::vector::squared_distance;
 
 /// The ground truth of a pair A → B. Errors are measured on a mesh that is B, or stands for it where B is a cloud.
 pub(super) struct Truth {
-    /// (point of A, its true vertex on the mesh), as many lines as the file has: a point may have several or none.
+    /// (point of A, its true vertex on the mesh), the lines of the file whose template point is on both: a point may have several or none.
     pub lines: Vec<(u32, u32)>,
-    /// For each line the true vertex if left and right were exchanged, where the set tells.
-    pub mirrored: Option<Vec<u32>>,
+    /// (line, the true vertex if left and right were exchanged), where the set tells and the vertex is there.
+    pub mirrored: Option<Vec<(usize, u32)>>,
     /// The mesh's vertex at each point of B; `None` where the mesh is B itself.
     pub vertex_of: Option<Vec<u32>>,
+    /// (point of A, whether it has a partner on B) for every template point on A; `None` where no line says that a shape lacks one.
+    pub paired: Option<Vec<(u32, bool)>>,
 }
 
 /// A mesh to measure on.
@@ -47,10 +49,12 @@ impl Truth {
             let sentence = format!("{} has no ground truth for {}: {files}", set.name(), a.0);
             return Err(EvaluationError::NotMeasurable(sentence));
         };
-        match truth.lines.is_empty() {
-            true => Err(EvaluationError::NotMeasurable(format!("the ground truth for {} has no line", a.0))),
-            false => Ok(truth),
-        }
+        let sentence = match &truth {
+            Self { lines, .. } if !lines.is_empty() => return Ok(truth),
+            Self { paired: Some(_), .. } => format!("no template point is on both {} and {}", a.0, b.0),
+            _ => format!("the ground truth for {} has no line", a.0),
+        };
+        Err(EvaluationError::NotMeasurable(sentence))
     }
 
     /// The mesh on which errors on B are measured.
@@ -70,18 +74,29 @@ impl Truth {
         }
     }
 
-    /// Line i of each shape's .vts is its vertex at template point i.
+    /// Line i of each shape's .vts is its vertex at template point i, 0 where it is a piece that the point is not on.
     fn by_template(set: &DataSet, a: (&str, &Shape), b: (&str, &Shape)) -> Result<Self, EvaluationError> {
         let path = |name: &str| set.truth_file(name);
-        let on_a = vertices(&path(&format!("{}.vts", a.0)), a)?;
-        let on_b = vertices(&path(&format!("{}.vts", b.0)), b)?;
+        let on_a = vertices_if_any(&path(&format!("{}.vts", a.0)), a)?;
+        let on_b = vertices_if_any(&path(&format!("{}.vts", b.0)), b)?;
         same_length(&path(&format!("{}.vts", b.0)), &on_b, &path(&format!("{}.vts", a.0)), &on_a)?;
         let mirror = path(&format!("{}.sym.vts", b.0));
-        let mirrored = mirror.exists().then(|| vertices(&mirror, b)).transpose()?;
-        if let Some(mirrored) = &mirrored {
-            same_length(&mirror, mirrored, &path(&format!("{}.vts", a.0)), &on_a)?;
+        let exchanged = mirror.exists().then(|| vertices_if_any(&mirror, b)).transpose()?;
+        if let Some(exchanged) = &exchanged {
+            same_length(&mirror, exchanged, &path(&format!("{}.vts", a.0)), &on_a)?;
         }
-        Ok(Self { lines: on_a.into_iter().zip(on_b).collect(), mirrored, vertex_of: None })
+        let on_both = |i: usize| Some((on_a[i]?, on_b[i]?));
+        let shared: Vec<usize> = (0..on_a.len()).filter(|&i| on_both(i).is_some()).collect();
+        let mirrored = |exchanged: Vec<Option<u32>>| -> Vec<(usize, u32)> {
+            shared.iter().enumerate().filter_map(|(line, &i)| Some((line, exchanged[i]?))).collect()
+        };
+        let paired = || on_a.iter().zip(&on_b).filter_map(|(on_a, on_b)| Some(((*on_a)?, on_b.is_some()))).collect();
+        Ok(Self {
+            lines: shared.iter().filter_map(|&i| on_both(i)).collect(),
+            mirrored: exchanged.map(mirrored).filter(|lines| !lines.is_empty()),
+            vertex_of: None,
+            paired: (on_a.contains(&None) || on_b.contains(&None)).then(paired),
+        })
     }
 
     /// Row i of A's .baryc_gt is where point i of the piece lies on the whole; the nearest corner of that face counts.
@@ -105,7 +120,7 @@ impl Truth {
             }
             lines.push((i as u32, nearest_corner(b.1, face, weights)));
         }
-        Ok(Self { lines, mirrored: None, vertex_of: None })
+        Ok(Self { lines, mirrored: None, vertex_of: None, paired: None })
     }
 
     /// Row i of each cloud's .tpl is the template's vertex there; another table leads from it to the mesh of the
@@ -127,16 +142,27 @@ impl Truth {
             Ok(of_template.into_iter().map(|s| on_mesh[row_of[s as usize] as usize]).collect())
         };
         let lines = (0..).zip(at_points(a)?).collect();
-        Ok(Self { lines, mirrored: None, vertex_of: Some(at_points(b)?) })
+        Ok(Self { lines, mirrored: None, vertex_of: Some(at_points(b)?), paired: None })
     }
 }
 
-/// 0-based vertices of a .vts.
+/// 0-based vertices of a .vts that may be that of a piece: 0 stands for none.
+fn vertices_if_any(path: &Path, (name, shape): (&str, &Shape)) -> Result<Vec<Option<u32>>, EvaluationError> {
+    let written = indices(path, 0..=shape.points().len(), &format!("a vertex of {name}, or 0 for none,"))?;
+    Ok(written.into_iter().map(|vertex| vertex.checked_sub(1)).collect())
+}
+
+/// 0-based vertices of the .vts of a whole shape.
 fn vertices(path: &Path, (name, shape): (&str, &Shape)) -> Result<Vec<u32>, EvaluationError> {
     indices(path, 1..=shape.points().len(), &format!("a vertex of {name}"))
 }
 
-fn same_length(path: &Path, lines: &[u32], other: &Path, others: &[u32]) -> Result<(), EvaluationError> {
+fn same_length(
+    path: &Path,
+    lines: &[Option<u32>],
+    other: &Path,
+    others: &[Option<u32>],
+) -> Result<(), EvaluationError> {
     if lines.len() == others.len() {
         return Ok(());
     }

@@ -16,7 +16,9 @@ fn the_json_holds_the_promised_names_and_no_others() {
         "rotate",
         "oracle",
         "pairs",
+        "sources",
         "age",
+        "age_interval",
         "age_raw",
         "accuracy",
         "flips",
@@ -38,23 +40,23 @@ fn the_json_holds_the_promised_names_and_no_others() {
     }
     assert_eq!((&found["oracle"], &found["pairs"]), (&Value::Bool(true), &Value::from(1)));
     assert!(number(&found["seconds_per_shape"]) > 0.0 && number(&found["seconds_per_pair"]) > 0.0);
+    // A single source says nothing about others.
+    assert_eq!((&found["sources"], &found["age_interval"]), (&Value::from(1), &Value::Null));
     // Turning changes nothing that the oracle sees.
     assert_near(&found["age"], 100.0 * 4.5 / 30.0 / (POINTS - 2) as f64);
 }
 
-/// FNV-1a, 64 bits, as its authors print it.
-fn fnv1a(text: &str) -> u64 {
-    let mut hash = 14_695_981_039_346_656_037_u64;
-    for byte in text.bytes() {
-        hash = (hash ^ u64::from(byte)).wrapping_mul(1_099_511_628_211);
-    }
-    hash
+#[test]
+fn json_on_standard_output_stands_there_alone() {
+    let set = planes("standard-output");
+    let run = set.run(&[&ORACLE[..], &["--json", "-"]].concat());
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let found: Value = serde_json::from_str(&run.out).expect("JSON and nothing else");
+    assert_eq!(found["set"], "standard-output");
 }
 
 #[test]
 fn a_limit_takes_the_pairs_that_come_first_by_hash() {
-    // Test vectors of draft-eastlake-fnv.
-    assert_eq!([fnv1a(""), fnv1a("a"), fnv1a("foobar")], [0xcbf29ce484222325, 0xaf63dc4c8601ec8c, 0x85944171f73967e8]);
     let set = Set::new("hashed");
     let small = sheet(12, 9);
     let names = ["a", "b", "c"];
@@ -62,7 +64,7 @@ fn a_limit_takes_the_pairs_that_come_first_by_hash() {
         set.shape(name, &small);
         set.column(&format!("corres/{name}.vts"), 1..=small.points.len());
     }
-    let mut lines: Vec<String> =
+    let lines: Vec<String> =
         names.iter().flat_map(|x| names.iter().filter(move |y| x != *y).map(move |y| format!("{x} {y}"))).collect();
     set.write("pairs.txt", lines.join("\n"));
     let options = ["--mode", "mesh", "--oracle", "--eigenpairs", "20"];
@@ -70,10 +72,15 @@ fn a_limit_takes_the_pairs_that_come_first_by_hash() {
         let pairs = found["per_pair"].as_array().expect("a list");
         pairs.iter().map(|p| format!("{} {}", p["source"].as_str().unwrap(), p["target"].as_str().unwrap())).collect()
     };
-    assert_eq!(order(&set.measured(&options)), lines, "without a limit as they stand");
-    lines.sort_by_key(|line| fnv1a(line));
-    assert_eq!(order(&set.measured(&[&options[..], &["--limit", "4"]].concat())), lines[..4]);
-    assert_eq!(order(&set.measured(&[&options[..], &["--limit", "99"]].concat())), lines);
+    let all = set.measured(&options);
+    assert_eq!(order(&all), lines, "without a limit as they stand");
+    let ends = all["age_interval"].as_array().expect("low and high");
+    assert_eq!((&all["sources"], ends.len()), (&3.into(), 2));
+    assert!(number(&ends[0]) <= number(&all["age"]) && number(&all["age"]) <= number(&ends[1]), "{ends:?}");
+    // FNV-1a and fmix64 of these lines, worked out in Python.
+    let sorted = ["a c", "c b", "a b", "c a", "b c", "b a"];
+    assert_eq!(order(&set.measured(&[&options[..], &["--limit", "4"]].concat())), sorted[..4]);
+    assert_eq!(order(&set.measured(&[&options[..], &["--limit", "99"]].concat())), sorted);
 
     // Another list of pairs.
     set.write("others.txt", "c  a\r\n");
@@ -110,9 +117,8 @@ fn every_malformed_file_is_refused_with_its_name_and_line() {
         (
             "corres/flat.vts",
             bad_line(7, "seven"),
-            "flat.vts, line 7: “seven” where a vertex of flat must stand, a whole number from 1 to 1891".into(),
+            "flat.vts, line 7: “seven” where a vertex of flat, or 0 for none, must stand, a whole number from 0 to 1891".into(),
         ),
-        ("corres/flat.vts", bad_line(8, "0"), "flat.vts, line 8: “0”".into()),
         ("corres/flat.vts", bad_line(9, "1892"), "flat.vts, line 9: “1892”".into()),
         ("corres/flat.vts", bad_line(9, "-1"), "flat.vts, line 9: “-1”".into()),
         ("corres/flat.vts", bad_line(9, "1.5"), "flat.vts, line 9: “1.5”".into()),
@@ -128,6 +134,8 @@ fn every_malformed_file_is_refused_with_its_name_and_line() {
             "flat.vts, line 10: a line must hold one whole number, and here are 0".into(),
         ),
         ("corres/turned.vts", other(9), "turned.vts: 9 lines, but ".into()),
+        ("corres/turned.vts", "0\n".repeat(POINTS - 2), "no template point is on both flat and turned".into()),
+        ("corres/turned.sym.vts", bad_line(4, "-1"), "turned.sym.vts, line 4: “-1”".into()),
         ("corres/turned.sym.vts", other(9), "turned.sym.vts: 9 lines, but ".into()),
         ("shapes/flat.off", "OFF\n3 0 0\n0 0 0\n".into(), "flat.off: ".into()),
         ("shapes/flat.off", "OFF\n".into(), "flat.off: ".into()),
