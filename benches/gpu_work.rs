@@ -77,7 +77,7 @@ fn row(what: &str, done: GpuCounters) -> f64 {
 
 fn main() {
     let gpu = block_on(Gpu::new(GpuOptions { software: true })).expect("a GPU, which may be one in software");
-    let model = Model::on(Model::embedded().weights().clone(), gpu).expect("the weights that ship");
+    let model = Model::on(Model::embedded().weights().cloned(), gpu).expect("the weights that ship");
     println!(
         "# What a match asks of a GPU
 

@@ -65,10 +65,10 @@ pub use descriptors::{PointFeatures, wave_kernel_signature};
 pub use device::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
 pub use device::{Cpu, Device, Fallback};
 pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
-pub use maps::{Correspondence, FunctionalMap, Matchable, UNMATCHED};
+pub use maps::{Correspondence, FunctionalMap, LearnedCues, Matchable, UNMATCHED};
 pub use network::{
-    Embedding, GROUP_OF_PART, GROUPS, Model, ModelConfig, Network, PARTS, PointEmbedding, Position, ShapeInputs,
-    Source, Start, Weights, WeightsError,
+    Category, Embedding, Model, ModelConfig, Network, Part, PointEmbedding, Position, ShapeInputs, Source, Start,
+    Thresholds, TrainedNetwork, Weights, WeightsError, WeightsId,
 };
 pub use operators::{
     Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,

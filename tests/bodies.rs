@@ -116,9 +116,9 @@ fn places_lie_in_the_part_that_labels_say() {
     let (standing, _) = model.clean_scan(&neutral, ATLAS_POINTS).expect("body data");
     let options = PrepareOptions::default();
     let scale = prepare(standing.clone(), None, &options, &mut Progress::silent()).expect("prepared").info.scale;
-    let teacher = Model::embedded().weights();
+    let teacher = Model::embedded().networks()[0].weights();
     let atlas = Atlas::new(standing.clone(), Model::new(teacher.clone()).expect("a model")).expect("an atlas");
-    let config = SampleConfig { teacher: Some(teacher.named()), ..SampleConfig::of(&teacher.config, 1500) };
+    let config = SampleConfig { teacher: Some(teacher.id()), ..SampleConfig::of(&teacher.config, 1500) };
     let maker = Maker { model: &model, template: &template, atlas: Some(&atlas), config: &config };
     for seed in 0..6 {
         let sample = maker.sample(seed).expect("a sample");

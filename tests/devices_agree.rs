@@ -142,7 +142,7 @@ fn work_beyond_one_dispatch_is_split_and_still_right() {
 
 /// Points with as many channels and eigenfunctions as the network that ships asks for.
 fn inputs(points: usize) -> ShapeInputs {
-    let config = &Model::embedded().weights().config;
+    let config = &Model::embedded().networks()[0].weights().config;
     let k = config.eigenpairs;
     let phi = Array2::from_shape_fn((points, k), |(i, j)| (0.37 * (i * (j + 1)) as f32 / points as f32).cos());
     let places = wavy(points, 3, 0.1) * 0.5;
@@ -160,20 +160,20 @@ fn inputs(points: usize) -> ShapeInputs {
 #[test]
 fn the_network_says_the_same_and_nothing_comes_back_in_between() {
     let gpu = gpu();
-    let weights = Model::embedded().weights();
+    let weights = Model::embedded().networks()[0].weights();
     let points = 5000;
     let inputs = inputs(points);
     let parts = Array2::from_elem((points, 14), 1.0 / 14.0);
     let keys: Vec<usize> = (0..1024).collect();
     let at_keys = |matrix: &Array2<f32>| matrix.select(ndarray::Axis(0), &keys);
 
-    let on_cpu = Network::new(&weights.config, &mut weights.on(&Cpu)).expect("the weights that ship");
+    let on_cpu = Network::new(&weights.config, 14, &mut weights.on(&Cpu)).expect("the weights that ship");
     let embedding = on_cpu.embed(&Cpu, &inputs.upload(&Cpu));
     let (features, logits) = (embedding.features, embedding.logits);
     let compared = on_cpu.compare(&Cpu, (&features, &parts), (&at_keys(&features), &at_keys(&parts)));
 
     let (network, of_weights) =
-        counted(&gpu, || Network::new(&weights.config, &mut weights.on(&gpu)).expect("the weights that ship"));
+        counted(&gpu, || Network::new(&weights.config, 14, &mut weights.on(&gpu)).expect("the weights that ship"));
     let (on_gpu, of_inputs) = counted(&gpu, || inputs.upload(&gpu));
     let (embedding, of_embedding) = counted(&gpu, || network.embed(&gpu, &on_gpu));
     let on_parts = gpu.upload(parts.view());

@@ -80,7 +80,7 @@ fn few() -> PrepareOptions {
 }
 
 async fn model() -> Model<Gpu> {
-    Model::on(Model::embedded().weights().clone(), gpu().await).expect("the weights that ship")
+    Model::on(Model::embedded().weights().cloned(), gpu().await).expect("the weights that ship")
 }
 
 #[wasm_bindgen_test]
@@ -92,10 +92,10 @@ async fn a_match_is_that_of_the_cpu_and_a_lost_device_is_replaced() {
         let same = found.iter().zip(&expected.a_to_b.target).filter(|(f, e)| f == e).count();
         same as f64 / found.len() as f64
     };
-    let auto = Processor::open(Model::embedded(), DeviceChoice::Auto).await.expect("some device");
+    let auto = Processor::open(Model::embedded().clone(), DeviceChoice::Auto).await.expect("some device");
     assert_eq!(auto.info().kind, DeviceKind::Cpu);
     assert!(auto.info().reason.contains("software"), "{:?}", auto.info());
-    let mut on_gpu = Processor::open(Model::embedded(), DeviceChoice::Webgpu).await.expect("a GPU");
+    let mut on_gpu = Processor::open(Model::embedded().clone(), DeviceChoice::Webgpu).await.expect("a GPU");
     for lost in [false, true] {
         if lost {
             let gpu = on_gpu.gpu().expect("a GPU");
@@ -141,5 +141,5 @@ async fn a_device_destroyed_in_any_stage_leaves_the_map_of_the_cpu() {
     let scan = read(SAMPLES[0], None, None).expect("a scan");
     let prepared = prepare_with(&model, scan, None, &few(), &mut progress).await.expect("prepared");
     assert_eq!(prepared.info.fallback.as_ref().expect("the CPU took over").stage, Stage::Features);
-    assert_eq!(prepared.embedding, a.embedding);
+    assert_eq!(prepared.embeddings, a.embeddings);
 }

@@ -16,7 +16,7 @@ use shapes::{body, prepared, scan};
 fn on_gpu() -> Model<Gpu> {
     let gpu = block_on(Gpu::new(GpuOptions { software: true }))
         .unwrap_or_else(|reason| panic!("{reason}. tests/devices_agree.rs says how to get one"));
-    Model::on(Model::embedded().weights().clone(), gpu).expect("the weights that ship")
+    Model::on(Model::embedded().weights().cloned(), gpu).expect("the weights that ship")
 }
 
 fn prepared_on(model: &Model<Gpu>, shape: &Shape, options: &PrepareOptions) -> PreparedShape {
@@ -151,20 +151,20 @@ fn a_gpu_lost_in_any_stage_leaves_the_map_of_the_cpu() {
     let prepared = block_on(prepare_with(&model, body("woman-standing.ply"), None, &options, &mut progress));
     let prepared = prepared.expect("prepared");
     assert_eq!(prepared.info.fallback.as_ref().expect("the CPU took over").stage, Stage::Features);
-    assert_eq!(prepared.embedding, a.embedding);
+    assert_eq!(prepared.embeddings, a.embeddings);
     let block = prepared.to_bytes().expect("a block");
     assert_eq!(PreparedShape::from_bytes(&block).expect("a shape").info.fallback, prepared.info.fallback);
 }
 
 #[test]
 fn a_device_is_chosen_with_a_reason_and_replaced_after_it_was_lost() {
-    let model = Model::embedded();
-    let auto = block_on(Processor::open(model, DeviceChoice::Auto)).expect("some device");
+    let model = Model::embedded().clone();
+    let auto = block_on(Processor::open(model.clone(), DeviceChoice::Auto)).expect("some device");
     println!("auto: {:?}", auto.info());
     if auto.info().kind == DeviceKind::Cpu {
         assert!(auto.info().reason.contains("software"), "{:?}", auto.info());
     }
-    let mut insisted = block_on(Processor::open(model, DeviceChoice::Webgpu)).expect("a GPU");
+    let mut insisted = block_on(Processor::open(model.clone(), DeviceChoice::Webgpu)).expect("a GPU");
     println!("webgpu: {:?}", insisted.info());
     assert_eq!(insisted.info().kind, DeviceKind::Webgpu);
     assert!(insisted.info().adapter.as_ref().is_some_and(|name| !name.is_empty()));

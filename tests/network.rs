@@ -4,8 +4,7 @@
 mod shapes;
 
 use geose_fmap::{
-    MatchOptions, Model, PARTS, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Weights,
-    match_shapes,
+    MatchOptions, Model, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Weights, match_shapes,
 };
 
 use shapes::{body, prepared, soup, torus, turn};
@@ -43,8 +42,8 @@ fn parts_of_the_sample_people_are_found_on_meshes_and_clouds() {
 #[test]
 fn probabilities_of_parts_are_probabilities() {
     let found = prepared(body("man-standing.ply"), &options());
-    let embedding = found.embedding.expect("a network was asked");
-    assert_eq!(embedding.parts.ncols(), PARTS.len());
+    let embedding = &found.embeddings[0];
+    assert_eq!(embedding.parts.ncols(), embedding.category.parts.len());
     for row in embedding.parts.rows() {
         assert!((row.sum() - 1.0).abs() < 1e-5 && row.iter().all(|p| (0.0..=1.0).contains(p)));
     }
@@ -80,13 +79,16 @@ fn the_report_is_unsure_of_what_the_network_does_not_know_and_only_of_that() {
 
 #[test]
 fn weights_survive_their_file_and_damaged_ones_are_refused() {
-    let weights = Model::embedded().weights();
+    let weights = Model::embedded().networks()[0].weights();
     let again = Weights::from_bytes(&weights.to_bytes(true).expect("bytes")).expect("weights");
     assert_eq!(&again, weights, "f16 values come back as they were");
-    assert_eq!(weights.named()["name"], "bodies");
+    assert_eq!((again.id(), weights.id().name.as_str()), (weights.id(), "bodies"));
 
     let refusal = |tensors: Vec<(String, ndarray::Array2<f32>)>| {
-        let weights = Weights::new(weights.config.clone(), weights.about.clone(), tensors.into_iter().collect());
+        let weights = {
+            let (config, category) = (weights.config.clone(), weights.category.clone());
+            Weights::new(config, category, weights.about.clone(), tensors.into_iter().collect())
+        };
         Model::new(weights).expect_err("refused").to_string()
     };
     let all = || weights.tensors().map(|(name, matrix)| (name.to_owned(), matrix.to_owned())).collect::<Vec<_>>();
@@ -114,8 +116,8 @@ fn the_networks_map_stands_alone_where_that_is_asked_for() {
         let options = MatchOptions { refine: Refinement::None, network_only, ..MatchOptions::default() };
         match_shapes(&ring, &ring, &options, &mut Progress::silent()).expect("matched").weights
     };
-    assert!(weights(false).is_null());
-    assert_eq!(weights(true), Model::embedded().weights().named());
+    assert_eq!(weights(false), None);
+    assert_eq!(weights(true).as_ref(), Some(Model::embedded().networks()[0].id()));
 }
 
 /// Without parts the map knows features alone: whatever was predicted changes no match.
@@ -128,7 +130,7 @@ fn parts_that_were_not_asked_for_change_nothing() {
     };
     let (without, with) = (found(&a, Parts::None), found(&a, Parts::Predicted));
     // The sides exchanged, as sure as before, so that the pair is as familiar.
-    let parts = &mut a.embedding.as_mut().expect("a network was asked").parts;
+    let parts = &mut a.embeddings[0].parts;
     *parts = parts.select(ndarray::Axis(1), &[0, 1, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12]);
     assert_eq!(found(&a, Parts::None), without);
     assert_ne!(found(&a, Parts::Predicted), with, "where they are asked for they count");
@@ -137,7 +139,7 @@ fn parts_that_were_not_asked_for_change_nothing() {
 #[test]
 fn a_block_with_other_parts_is_refused() {
     let mut shape = prepared(body("man-standing.ply"), &options());
-    let embedding = shape.embedding.as_mut().expect("a network was asked");
+    let embedding = &mut shape.embeddings[0];
     embedding.parts = embedding.parts.slice(ndarray::s![.., ..13]).to_owned();
     let refusal = PreparedShape::from_bytes(&shape.to_bytes().expect("bytes")).expect_err("refused");
     assert!(refusal.to_string().contains("its parts are others"), "{refusal}");

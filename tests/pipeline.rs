@@ -25,9 +25,9 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use geose_fmap::{
-    BlockError, Correspondence, EdgeDistances, Error, FaceUse, GROUP_OF_PART, GROUPS, LaplacianKind, Match,
-    MatchOptions, PARTS, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage,
-    UNMATCHED, match_shapes, mean_error, prepare, read,
+    BlockError, Correspondence, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, Model, Parts,
+    PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
+    prepare, read,
 };
 use safetensors::SafeTensors;
 use shapes::{

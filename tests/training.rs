@@ -184,7 +184,7 @@ fn masses_of_a_sample_sum_to_1() {
 /// Places are what the method finds by labels, and come with their points in any order: nothing but the mesh of the body and its labels goes in.
 #[test]
 fn places_are_found_by_part_labels() {
-    let teacher = || Model::new(Model::embedded().weights().clone()).expect("a model");
+    let teacher = || Model::new(Model::embedded().networks()[0].weights().clone()).expect("a model");
     let atlas = Atlas::new(body("woman-standing.ply"), teacher()).expect("an atlas");
     let man = body("man-lunging.ply");
     let places = atlas.places(man.clone()).expect("places");

@@ -21,7 +21,11 @@ export function read_arrays(
   name: string | undefined,
 ): RawShape;
 /** Opens the device; rejects with a typed error where it is insisted on and not there. `again` opens one that was opened before, or else goes on without it. */
-export function open_device(choice: NonNullable<MatcherOptions['device']>, again: boolean): Promise<Device>;
+export function open_device(
+  choice: NonNullable<MatcherOptions['device']>,
+  again: boolean,
+  weights: Uint8Array[] | undefined,
+): Promise<Device>;
 
 type PrepareGiven = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>;
 type MatchGiven = Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>;

@@ -23,6 +23,8 @@ interface Job {
 export class WorkerHost {
   readonly #module: WebAssembly.Module;
   #choice: DeviceChoice;
+  /** Kept here, because every worker needs them. */
+  readonly #weights: Uint8Array<ArrayBuffer>[] | undefined;
   /** The one in use, once it was opened. */
   #device: Device | undefined;
   readonly #spawn: Spawn;
@@ -36,9 +38,10 @@ export class WorkerHost {
   #withoutGpu: string | undefined;
   #disposed = false;
 
-  constructor(module: WebAssembly.Module, device: DeviceChoice, spawn: Spawn) {
+  constructor(module: WebAssembly.Module, device: DeviceChoice, weights: Uint8Array<ArrayBuffer>[] | undefined, spawn: Spawn) {
     this.#module = module;
     this.#choice = device;
+    this.#weights = weights;
     this.#spawn = spawn;
   }
 
@@ -108,7 +111,7 @@ export class WorkerHost {
     });
     // A choice that ended with the CPU is made anew: no GPU was found good.
     const again = this.#device !== undefined && (this.#choice === 'webgpu' || this.#device.kind === 'webgpu');
-    thread.post({ type: 'start', module: this.#module, device: this.#choice, again });
+    thread.post({ type: 'start', module: this.#module, device: this.#choice, weights: this.#weights, again });
     return thread;
   }
 

@@ -4,6 +4,7 @@ export type {
   ArrayInput,
   CallOptions,
   FileFormat,
+  BytesInput,
   FileInput,
   LaplacianOptions,
   MatcherOptions,

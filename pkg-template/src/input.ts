@@ -1,6 +1,6 @@
 // What callers hand in: checked for its type and copied before the call returns. Whether it makes a shape is the matcher's to say.
 import { GeoSeError } from './error.js';
-import type { ArrayInput, CallOptions, ReadOptions, ShapeInput } from './options.js';
+import type { ArrayInput, BytesInput, CallOptions, MatcherOptions, ReadOptions, ShapeInput } from './options.js';
 import type { Calls, Source } from './protocol.js';
 import type { Laplacian } from './results.js';
 
@@ -19,6 +19,18 @@ export function sourceOf(input: ShapeInput, { name, format }: ReadOptions): Sour
   const { positions, faces, labels, ...rest } = input;
   nothingElse('the scan', rest, ['positions', 'faces', 'labels']);
   return { from: 'arrays', positions: coordinates(positions), faces: indices('faces', faces), labels: indices('labels', labels), name };
+}
+
+/** Private copies of files of weights; nothing for those that ship. */
+export function weightsOf(given: MatcherOptions['weights'] | null): Uint8Array<ArrayBuffer>[] | undefined {
+  if (given === undefined || given === null) return undefined;
+  const isFile = (file: unknown): file is BytesInput => is<Uint8Array>(file, 'Uint8Array') || is<ArrayBuffer>(file, 'ArrayBuffer');
+  const files: readonly unknown[] = Array.isArray(given) ? given : [given];
+  if (files.length === 0) throw wrong('weights', 'the bytes of at least one file', given);
+  return files.map((file) => {
+    if (!isFile(file)) throw wrong('weights', 'the bytes of a file (Uint8Array or ArrayBuffer), or several', file);
+    return copied('the weights', () => new Uint8Array(is<Uint8Array>(file, 'Uint8Array') ? file : file.slice(0)));
+  });
 }
 
 /** A private copy of a Laplacian's arrays. */

@@ -1,7 +1,7 @@
 /// <reference lib="esnext.disposable" preserve="true" />
 import { disposable } from './disposable.js';
 import { WorkerHost } from './host.js';
-import { isObject, laplacianOf, nothingElse, optionsOf, sourceOf, wrong } from './input.js';
+import { isObject, laplacianOf, nothingElse, optionsOf, sourceOf, weightsOf, wrong } from './input.js';
 import type {
   LaplacianOptions,
   MatcherOptions,
@@ -42,11 +42,12 @@ export class Matcher {
   /** Loads the wasm, starts the worker and opens the device. In Node the worker keeps the process alive only while a call is open. */
   static async create(options: MatcherOptions = {}): Promise<Matcher> {
     if (!isObject(options)) throw wrong('the options', 'an object', options);
-    const { device = 'auto', wasm, worker, ...rest } = options;
-    nothingElse('the options', rest, ['device', 'wasm', 'worker']);
+    const { device = 'auto', weights, wasm, worker, ...rest } = options;
+    nothingElse('the options', rest, ['device', 'weights', 'wasm', 'worker']);
     if (!DEVICES.includes(device)) throw wrong('device', "'auto', 'cpu' or 'webgpu'", device);
+    const files = weightsOf(weights);
     const [module, spawn] = await Promise.all([compile(wasm), spawner(worker)]);
-    const host = new WorkerHost(module, device, spawn);
+    const host = new WorkerHost(module, device, files, spawn);
     try {
       await host.run<'device'>({ name: 'device' });
     } catch (error) {

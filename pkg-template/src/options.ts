@@ -3,6 +3,9 @@ import type { Axis, LaplacianKind, Stage } from './results.js';
 /** Where the wasm comes from: an address, a response, the bytes, or the compiled module itself. */
 export type WasmSource = string | URL | Response | Promise<Response> | ArrayBuffer | ArrayBufferView<ArrayBuffer> | WebAssembly.Module;
 
+/** The content of a file. */
+export type BytesInput = Uint8Array | ArrayBuffer;
+
 /** How a matcher is made. */
 export interface MatcherOptions {
   /**
@@ -10,6 +13,11 @@ export interface MatcherOptions {
    * insists, also on an adapter in software, and rejects with `'device-unavailable'` without one.
    */
   device?: 'auto' | 'cpu' | 'webgpu' | undefined;
+  /**
+   * Files of network weights in place of those that ship, one or one for each category of bodies. Of several the one most at home with a pair matches it, and
+   * `report.category` and `report.weights` say which. They are copied.
+   */
+  weights?: BytesInput | readonly BytesInput[] | undefined;
   /** Instead of `geose_fmap_bg.wasm` beside the package's own files. */
   wasm?: WasmSource | undefined;
   /** Address of the package's `worker.js`, for a CDN or a bundler that does not find it. Another origin is reached through a blob. */

@@ -46,7 +46,8 @@ export type DeviceChoice = NonNullable<MatcherOptions['device']>;
 
 /** Messages to the worker. `start` comes once and first; then one `call` at a time. `again` says that an earlier worker had this device. */
 export type ToWorker =
-  { type: 'start'; module: WebAssembly.Module; device: DeviceChoice; again: boolean } | { type: 'call'; id: number; call: Call };
+  | { type: 'start'; module: WebAssembly.Module; device: DeviceChoice; weights: Uint8Array<ArrayBuffer>[] | undefined; again: boolean }
+  | { type: 'call'; id: number; call: Call };
 
 /** Messages from the worker. After `crashed` it must be ended. `device` is the one in use by then, when it was opened. */
 export type FromWorker =

@@ -184,6 +184,8 @@ export interface MatchReport {
   gpu: { dispatches: number; uploads: number; downloads: number };
   /** Sentences for a person. */
   warnings: string[];
+  /** The kind of body that the pair is taken to be of, such as `'people'`; null where no network is at home with it. */
+  category: string | null;
   /** The weights of the network that took part; null when none did. */
   weights: { name: string; version: string } | null;
 }

@@ -35,18 +35,19 @@ if ('DedicatedWorkerGlobalScope' in globalThis) {
 
 let wanted: DeviceChoice = 'auto';
 let again = false;
+let weights: Uint8Array<ArrayBuffer>[] | undefined;
 let opened: raw.Device | undefined;
 
 /** The device, opened when it is first needed. */
 async function device(): Promise<raw.Device> {
-  return (opened ??= await raw.open_device(wanted, again));
+  return (opened ??= await raw.open_device(wanted, again, weights));
 }
 
 async function hear(message: ToWorker, post: Post): Promise<void> {
   try {
     if (message.type === 'start') {
       raw.initSync({ module: message.module });
-      ({ device: wanted, again } = message);
+      ({ device: wanted, again, weights } = message);
       post({ type: 'ready' });
     } else {
       const answer = await answerTo(message.call, progressOf(message.id, post));

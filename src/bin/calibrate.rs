@@ -45,7 +45,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<String, Box<dyn std::error::Error>> {
     let model = arguments.weights.as_ref().map(std::fs::read).transpose()?;
     let model = model.map(|bytes| Weights::from_bytes(&bytes).and_then(Model::new)).transpose()?;
-    let model = model.as_ref().unwrap_or_else(|| Model::embedded());
+    let model = model.as_ref().unwrap_or_else(|| &**Model::embedded());
     let (lines, weights) = refit(&arguments.dataset, arguments.limit, model, &|line| eprintln!("{line}"))?;
     std::fs::write(&arguments.out, weights.to_bytes(true)?)?;
     Ok(lines)

@@ -130,7 +130,7 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     let start = weights(&arguments.start)?.or_else(|| teacher.clone());
     let samples = SampleConfig {
         laplacian: arguments.laplacian,
-        teacher: teacher.as_ref().map(Weights::named),
+        teacher: teacher.as_ref().map(Weights::id),
         ..SampleConfig::of(&network, arguments.points)
     };
     let pool = Pool::open(&arguments.samples, arguments.bodies.get(), &samples)?;

@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         seed: arguments.running.seed,
         oracle: arguments.oracle,
     };
-    let measured = evaluate(&task, arguments.running.model()?, &|line| eprintln!("{line}"))?;
+    let measured = evaluate(&task, &*arguments.running.model()?, &|line| eprintln!("{line}"))?;
     let json = || serde_json::to_string_pretty(&measured);
     match arguments.json.as_deref() {
         Some(file) if file == Path::new("-") => println!("{}", json()?),

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::colour::correspondence_colours;
 use super::{Failure, write};
 use crate::write::{Body, LinearRgb, glb, ply};
-use crate::{DeviceKind, Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED};
+use crate::{DeviceKind, Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED, WeightsId};
 
 /// Says before the work that the folder of `file` is none.
 pub(super) fn check_folder(file: &Path) -> Result<(), Failure> {
@@ -134,8 +134,21 @@ struct How<'a> {
     #[serde(flatten)]
     options: &'a MatchOptions,
     device: DeviceKind,
-    weights: &'a serde_json::Value,
+    weights: Option<Named<'a>>,
+    category: Option<&'a str>,
     warnings: &'a [String],
+}
+
+#[derive(Serialize)]
+struct Named<'a> {
+    name: &'a str,
+    version: &'a str,
+}
+
+impl<'a> Named<'a> {
+    fn of(WeightsId { name, version, .. }: &'a WeightsId) -> Self {
+        Self { name, version }
+    }
 }
 
 #[derive(Serialize)]
@@ -155,7 +168,13 @@ fn json(Outcome { a, b, preparing, options, matched }: &Outcome) -> Result<Vec<u
     let document = Document {
         a: Scan::of(a, preparing),
         b: Scan::of(b, preparing),
-        how: How { options, device: matched.device, weights: &matched.weights, warnings: &matched.warnings },
+        how: How {
+            options,
+            device: matched.device,
+            weights: matched.weights.as_ref().map(Named::of),
+            category: matched.category.as_deref(),
+            warnings: &matched.warnings,
+        },
         map: pairs.enumerate().map(line).collect(),
     };
     Ok(serde_json::to_vec(&document)?)

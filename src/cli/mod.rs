@@ -9,6 +9,7 @@ mod matching;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand};
 
@@ -101,12 +102,12 @@ impl Running {
         }
     }
 
-    /// The network, for as long as the program runs.
-    fn model(&self) -> Result<&'static Model, Failure> {
-        let Some(path) = &self.weights else { return Ok(Model::embedded()) };
+    /// The network.
+    fn model(&self) -> Result<Arc<Model>, Failure> {
+        let Some(path) = &self.weights else { return Ok(Model::embedded().clone()) };
         let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
         let model = Weights::from_bytes(&bytes).and_then(Model::new).map_err(|e| format!("{}: {e}", path.display()))?;
-        Ok(Box::leak(Box::new(model)))
+        Ok(Arc::new(model))
     }
 }
 

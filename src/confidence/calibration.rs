@@ -6,7 +6,8 @@ use ndarray::ArrayView1;
 #[cfg(any(test, feature = "train"))]
 use ndarray::{Array1, Array2, Axis};
 
-use super::cues::{CUES, Cues};
+use super::cues::{Cues, GENERAL};
+use crate::network::SITUATIONS;
 
 /// What is known of a match: each case has coefficients of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,13 +20,13 @@ pub(crate) struct Situation {
     pub(crate) meshes: bool,
 }
 
-/// A constant and one coefficient per cue (cycle, strain and residual, each near and wide; head, upper arm, forearm, hand, thigh, shank, foot; prior) of a logistic
-/// function, by [`Situation`] in binary: learned, registered, meshes. A wide average beside a near one may count the other way.
+/// A constant and one coefficient per general cue (cycle, strain and residual, each near and wide) of a logistic function, where no network takes part or its
+/// weights bring no coefficients of their own; rows as in [`Category::confidence`](crate::network::Category). A wide average beside a near one may count the other way.
 ///
-/// Fitted by maximum likelihood to whether points of held-out bodies of the generator end within 0.05 √area of where they belong, with the weights "bodies" 3: 48 pairs of 48 people (seeds from
-/// 800101), and for what few ask for about every fourth of them. On 48 pairs of other people (seeds from 900001) and refined maps: area under curve and calibration error
-/// 0.861 and 0.018 on meshes, 0.843 and 0.023 on clouds, 0.858 and 0.019 between them.
-/// Wrong places come by regions that agree with themselves, which no sign here sees: an arm twisted about its axis; and prior says only where that often happens.
+/// Fitted by maximum likelihood to whether points of held-out bodies of the generator end within 0.05 √area of where they belong: about every fourth of 48 pairs
+/// (seeds from 800101). Those of the weights that ship are fitted to all 48, with the prior that belongs to their features. On 48 pairs of other people (seeds from
+/// 900001) and refined maps of these weights: area under curve and calibration error 0.861 and 0.018 on meshes, 0.843 and 0.023 on clouds, 0.858 and 0.019 between them.
+/// Wrong places come by regions that agree with themselves, which no sign here sees: an arm twisted about its axis; and the prior says only where that often happens.
 ///
 /// After the network or refinement has changed fit them again:
 ///
@@ -34,17 +35,13 @@ pub(crate) struct Situation {
 /// cargo run --release --features train --bin calibrate -- --dataset tune --out data/weights/people.safetensors
 /// ```
 ///
-/// What it prints goes here, and `evaluate` on other bodies says how well it holds.
+/// It writes those of the weights into the file, and prints those for here; `evaluate` on other bodies says how well they hold.
 #[rustfmt::skip]
-const COEFFICIENTS: [[f64; 1 + CUES]; 8] = [
-    [1.98, -3.86, -0.50, 2.28, -17.52, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
-    [2.81, 0.82, -5.84, 1.79, -22.40, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
-    [4.18, 0.14, -12.15, 6.10, -35.65, -0.84, 2.52, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
-    [7.14, -0.87, -14.51, -16.92, -76.59, 28.25, 3.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00, 0.00],
-    [5.57, -5.81, -17.58, -16.66, 3.73, 0.00, 0.00, 1.04, 0.64, 0.27, -0.53, -0.35, 0.38, -1.02, 0.66],
-    [7.96, -2.44, -12.24, -31.50, -19.52, 0.00, 0.00, 0.38, 0.50, 0.67, 0.14, -0.95, 0.72, -0.45, 0.25],
-    [6.91, -11.20, -0.31, -9.21, -2.54, -18.88, -5.43, 1.64, 0.40, 0.28, -0.58, -0.10, 0.07, -1.23, 1.00],
-    [10.93, -1.75, -16.31, -11.10, -27.22, -12.37, -27.33, 2.14, 1.01, 1.22, 0.27, -0.35, 0.16, -2.09, 1.00],
+const WITHOUT_NETWORK: [[f64; 1 + GENERAL]; SITUATIONS] = [
+    [1.98, -3.86, -0.50, 2.28, -17.52, 0.00, 0.00],
+    [2.81, 0.82, -5.84, 1.79, -22.40, 0.00, 0.00],
+    [4.18, 0.14, -12.15, 6.10, -35.65, -0.84, 2.52],
+    [7.14, -0.87, -14.51, -16.92, -76.59, 28.25, 3.00],
 ];
 
 /// Smallest and largest probability that is ever said: fitted to some ten thousand points, no function knows more.
@@ -67,22 +64,25 @@ impl Situation {
     /// Every one there is.
     #[cfg(feature = "train")]
     pub(crate) fn all() -> impl Iterator<Item = Self> {
-        (0..COEFFICIENTS.len()).map(|n| Self { learned: n & 4 != 0, registered: n & 2 != 0, meshes: n & 1 != 0 })
+        (0..2 * SITUATIONS).map(|n| Self { learned: n & 4 != 0, registered: n & 2 != 0, meshes: n & 1 != 0 })
     }
 
     /// Of the points with these cues.
     pub(crate) fn of(cues: &Cues) -> Self {
-        Self { learned: cues.parts, registered: cues.registered, meshes: cues.meshes }
+        Self { learned: cues.category.is_some(), registered: cues.registered, meshes: cues.meshes }
     }
 
-    fn number(self) -> usize {
-        4 * usize::from(self.learned) + 2 * usize::from(self.registered) + usize::from(self.meshes)
+    /// Its row in a table of coefficients.
+    pub(crate) fn row(self) -> usize {
+        2 * usize::from(self.registered) + usize::from(self.meshes)
     }
 }
 
 /// Probabilities (p) that the matches of points are right.
 pub(crate) fn confidence(cues: &Cues) -> Vec<f32> {
-    let coefficients = &COEFFICIENTS[Situation::of(cues).number()];
+    let row = Situation::of(cues).row();
+    let fitted = cues.category.as_ref().and_then(|category| category.confidence.get(row));
+    let coefficients: &[f64] = fitted.map_or(&WITHOUT_NETWORK[row], |of_category| of_category);
     let [low, high] = CERTAIN;
     let row = |row: ArrayView1<f64>| probability(coefficients, row.iter().copied()).clamp(low, high) as f32;
     cues.table.rows().into_iter().map(row).collect()
@@ -149,20 +149,21 @@ pub(crate) fn fit(points: &[bool], count: usize, inputs: impl Fn(usize, &mut [f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::Model;
 
     #[test]
     fn a_fit_finds_the_probabilities_that_points_were_drawn_by() {
-        let truth: [f64; 1 + CUES] = std::array::from_fn(|c| [1.0, -3.0, 2.0, 0.0][c.min(3)]);
+        let truth: [f64; 1 + GENERAL] = std::array::from_fn(|c| [1.0, -3.0, 2.0, 0.0][c.min(3)]);
         // Every value of two cues, right as often as they say.
         let mut points = Vec::new();
         for step in 0..400 {
-            let mut cues = [0.0; CUES];
+            let mut cues = [0.0; GENERAL];
             (cues[0], cues[1]) = (f64::from(step % 20) / 20.0, f64::from(step / 20) / 20.0);
             let share = (100.0 * probability(&truth, cues.iter().copied())).round() as usize;
             points.extend((0..100).map(|i| (cues, i < share)));
         }
         let right: Vec<bool> = points.iter().map(|&(_, right)| right).collect();
-        let found = fit(&right, CUES, |i, row| row.copy_from_slice(&points[i].0));
+        let found = fit(&right, GENERAL, |i, row| row.copy_from_slice(&points[i].0));
         for (found, wanted) in found.coefficients.iter().zip(truth) {
             assert!((found - wanted).abs() < 0.1, "{found} {wanted}");
         }
@@ -193,17 +194,19 @@ mod tests {
         // Without the network `refit` sees one pair in four, and whole maps go wrong that strain little: of strain and residual, which rise together there
         // (correlation 0.9), the one gets more than its due and the other pays it back; fitted without strain, residuals cost confidence as well.
         let exceptions = [(2, "residual"), (3, "residual")];
-        for (number, coefficients) in COEFFICIENTS.iter().enumerate() {
+        let category = Model::embedded().networks()[0].category();
+        let tables = WITHOUT_NETWORK.iter().map(|row| &row[..]).chain(category.confidence.iter().map(|row| &row[..]));
+        for (number, coefficients) in tables.enumerate() {
             // Near and wide together.
             let at = |signs: std::ops::Range<usize>, fault: f64| {
-                probability(coefficients, (0..CUES).map(|c| if signs.contains(&(c / 2)) { fault } else { 0.0 }))
+                let cues = (0..GENERAL).map(|c| if signs.contains(&(c / 2)) { fault } else { 0.0 });
+                probability(coefficients, cues)
             };
             let (none, all) = (at(0..3, 0.0), at(0..3, 0.5));
             assert!(none > 0.8 && all < 0.2, "{number} {none} {all}");
             let registered = number & 2 != 0;
-            for (sign, name) in
-                ["cycle", "strain", "residual"].into_iter().enumerate().take(if registered { 3 } else { 2 })
-            {
+            let signs = ["cycle", "strain", "residual"].into_iter().take(if registered { 3 } else { 2 });
+            for (sign, name) in signs.enumerate() {
                 let costs = at(sign..sign + 1, 0.5) < none;
                 assert_eq!(costs, !exceptions.contains(&(number, name)), "{name} in row {number}");
             }
@@ -213,14 +216,16 @@ mod tests {
     #[test]
     fn more_prior_gives_more_confidence_between_meshes() {
         // From no fault to many, so that somewhere confidence is neither as high nor as low as it gets.
+        let category = Model::embedded().networks()[0].category().clone();
+        let width = GENERAL + category.cues.len() + 1;
         let of = |prior: f64| {
             let value = |(i, c): (usize, usize)| match c {
-                0..6 => i as f64 / 40.0,
-                c if c == CUES - 1 => prior,
+                0..GENERAL => i as f64 / 40.0,
+                c if c + 1 == width => prior,
                 _ => 0.0,
             };
-            let table = Array2::from_shape_fn((20, CUES), value);
-            confidence(&Cues { table, registered: true, meshes: true, parts: true })
+            let table = Array2::from_shape_fn((20, width), value);
+            confidence(&Cues { table, registered: true, meshes: true, category: Some(category.clone()) })
         };
         let (less, more) = (of(-1.0), of(1.0));
         assert!(less.iter().zip(&more).all(|(less, more)| more >= less), "{less:?} {more:?}");

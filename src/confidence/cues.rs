@@ -6,10 +6,12 @@
 //! on held-out meshes was 0.836, with it 0.858 (version 2 of the weights). How far a match lies from where features alone would put the point, and how sure they are, was tried as two signs more: 0.004 on
 //! meshes and 0.008 on clouds, not worth an attention pass.
 
-use ndarray::{Array2, ArrayView2};
+use std::sync::Arc;
 
-use crate::maps::Matchable;
-use crate::network::PARTS;
+use ndarray::{Array2, ArrayView2, s};
+
+use crate::maps::{LearnedCues, Matchable};
+use crate::network::Category;
 use crate::vector::{Vector, minus, norm};
 
 /// Steps from sample to neighbouring samples that an average reaches out: a sample is about 0.02 √area wide, and averages of averages spread like heat, so that these
@@ -19,21 +21,20 @@ const STEPS: [usize; 2] = [4, 24];
 const LONGEST: f64 = 1.0;
 /// Signs that are averaged: cycle, strain, residual; their roots are what counts.
 const SIGNS: usize = 3;
-/// Part of a person whose probability each cue is, by [`PARTS`] without sides; the torso is what is left.
-const LIMBS: [&str; 7] = ["head", "upper arm", "forearm", "hand", "thigh", "shank", "foot"];
-/// Cues of a point; the last is [`Matchable::prior`].
-pub(crate) const CUES: usize = STEPS.len() * SIGNS + LIMBS.len() + 1;
+/// Cues that need no network: each sign near and wide.
+pub(crate) const GENERAL: usize = STEPS.len() * SIGNS;
 
-/// Cues (p, [`CUES`]) of one direction of a match; those that do not exist are 0.
+/// Cues of one direction of a match; those that do not exist are 0.
 #[derive(Clone, Debug)]
 pub(crate) struct Cues {
+    /// Rows (p): [`GENERAL`] cues; with a network also the probability of each group of parts that is a cue of its category, and its prior.
     pub(crate) table: Array2<f64>,
     /// Whether the body was registered onto the other, so that there are residuals.
     pub(crate) registered: bool,
     /// Whether both bodies are meshes.
     pub(crate) meshes: bool,
-    /// Whether the network said which part is which.
-    pub(crate) parts: bool,
+    /// What the network that took part knows.
+    pub(crate) category: Option<Arc<Category>>,
 }
 
 impl Cues {
@@ -51,7 +52,8 @@ impl Cues {
             let residual = |i: usize| norm(std::array::from_fn(|c| f64::from(registered[(i, c)]) - image(i)[c]));
             signs.push(region.means((0..p).map(residual)));
         }
-        let mut table = Array2::zeros((p, CUES));
+        let width = GENERAL + own.learned.as_ref().map_or(0, |learned| learned.limbs.ncols() + 1);
+        let mut table = Array2::zeros((p, width));
         for (sign, mut at_samples) in signs.into_iter().enumerate() {
             for (wide, steps) in STEPS.iter().enumerate() {
                 let before = if wide == 0 { 0 } else { STEPS[wide - 1] };
@@ -61,19 +63,16 @@ impl Cues {
                 }
             }
         }
-        for (limb, name) in LIMBS.iter().enumerate() {
-            let both = (0..PARTS.len()).filter(|&part| PARTS[part].ends_with(name));
-            for (part, probabilities) in both.filter_map(|part| Some((part, own.parts.as_ref()?))) {
-                let mut column = table.column_mut(STEPS.len() * SIGNS + limb);
-                column.zip_mut_with(&probabilities.column(part), |sum, &probability| *sum += f64::from(probability));
+        let meshes = own.surface.oriented && other.surface.oriented;
+        if let Some(LearnedCues { limbs, prior, .. }) = &own.learned {
+            table.slice_mut(s![.., GENERAL..width - 1]).assign(limbs);
+            if let Some(prior) = prior {
+                let kind = prior.column(usize::from(!meshes));
+                table.column_mut(width - 1).zip_mut_with(&kind, |cue, &prior| *cue = f64::from(prior));
             }
         }
-        let meshes = own.surface.oriented && other.surface.oriented;
-        if let Some(prior) = &own.prior {
-            let kind = prior.column(usize::from(!meshes));
-            table.column_mut(CUES - 1).zip_mut_with(&kind, |cue, &prior| *cue = f64::from(prior));
-        }
-        Self { table, registered: registered.is_some(), meshes, parts: own.parts.is_some() }
+        let category = own.learned.as_ref().map(|learned| learned.category.clone());
+        Self { table, registered: registered.is_some(), meshes, category }
     }
 }
 
@@ -134,9 +133,10 @@ impl<'m> Region<'m> {
 mod tests {
     use super::*;
     use crate::descriptors::SampledSurface;
+    use crate::network::Model;
     use crate::spectrum::SpectralBasis;
 
-    /// Four points of a mesh in a row, all of them samples, priored so far each.
+    /// Four points of a mesh in a row, all of them samples, with this prior each.
     fn row(prior: [f32; 4]) -> Matchable {
         let basis = SpectralBasis {
             eigenvalues: vec![0.0].into(),
@@ -149,26 +149,32 @@ mod tests {
             cell: vec![0, 1, 2, 3],
             adjacent: vec![[0, 1], [1, 2], [2, 3]],
         };
+        let learned = LearnedCues {
+            limbs: Array2::from_shape_fn((4, 7), |(i, limb)| (10 * i + limb) as f64),
+            prior: Some(Array2::from_shape_fn((4, 2), |(i, _)| prior[i])),
+            category: Model::embedded().networks()[0].category().clone(),
+        };
         Matchable {
             basis,
             points: Array2::from_shape_fn((4, 3), |(i, c)| if c == 0 { i as f64 } else { 0.0 }),
             features: Array2::zeros((4, 1)),
-            parts: None,
-            prior: Some(Array2::from_shape_fn((4, 2), |(i, _)| prior[i])),
+            learned: Some(learned),
             coarse: vec![0, 1, 2, 3],
             surface,
         }
     }
 
     #[test]
-    fn the_last_cue_between_meshes_is_the_prior_in_the_point_itself() {
+    fn what_the_network_knows_of_the_point_itself_follows_the_general_cues() {
         let (own, other) = (row([-1.5, 0.25, 0.0, 2.0]), row([9.0; 4]));
         let across = [3, 2, 1, 0];
         let cues = Cues::of([&own, &other], [&across, &across], None);
-        assert!(cues.meshes);
-        assert_eq!(cues.table.column(CUES - 1).to_vec(), [-1.5, 0.25, 0.0, 2.0]);
-        // Nobody said anything of them.
-        let unknown = Cues::of([&Matchable { prior: None, ..own }, &other], [&across, &across], None);
-        assert_eq!(unknown.table.column(CUES - 1).to_vec(), [0.0; 4]);
+        assert!(cues.meshes && cues.category.is_some());
+        assert_eq!(cues.table.ncols(), GENERAL + 7 + 1);
+        assert_eq!(cues.table.column(GENERAL + 2).to_vec(), [2.0, 12.0, 22.0, 32.0]);
+        assert_eq!(cues.table.column(GENERAL + 7).to_vec(), [-1.5, 0.25, 0.0, 2.0]);
+        let unknown = Cues::of([&Matchable { learned: None, ..own }, &other], [&across, &across], None);
+        assert_eq!(unknown.table.ncols(), GENERAL);
+        assert!(unknown.category.is_none());
     }
 }

@@ -7,7 +7,5 @@ mod distortion;
 pub(crate) use calibration::confidence;
 #[cfg(feature = "train")]
 pub(crate) use calibration::{Fit, Situation, fit, probability};
-#[cfg(feature = "train")]
-pub(crate) use cues::CUES;
 pub(crate) use cues::Cues;
 pub use distortion::{strain, stretch};

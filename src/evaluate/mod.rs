@@ -303,7 +303,8 @@ fn part_iou(set: &DataSet, name: &str, shape: &PreparedShape) -> Result<Option<f
     let Some(Labelled { names, labels: given }) = set.labels_if_any(name, shape.shape.points().len())? else {
         return Ok(None);
     };
-    let (Some(predicted), Some(classes)) = (shape.predicted_parts(), class_of_parts(&names)) else { return Ok(None) };
+    let classes = shape.category().and_then(|category| class_of_parts(category, &names));
+    let (Some(predicted), Some(classes)) = (shape.predicted_parts(), classes) else { return Ok(None) };
     let predicted: Vec<u32> = predicted.into_iter().map(|part| classes[part as usize]).collect();
     Ok(Some(part_scores(&predicted, &given, &shape.point_areas()).mean_iou))
 }

@@ -8,24 +8,23 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::confidence::{CUES, Fit, Situation, fit, probability};
-use crate::network::{Model, PRIOR, Weights};
+use crate::confidence::{Fit, Situation, fit, probability};
+use crate::network::{Model, PRIOR, SITUATIONS, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
 use crate::pipeline::{MatchOptions, Parts, PrepareOptions};
 use crate::progress::Progress;
 use crate::registration::Refinement;
 
-/// Cues besides trust, which is found here.
-const OTHERS: usize = CUES - 1;
 /// What few ask for (ZoomOut, no refinement, no network) is fitted to about every so many-th pair.
 const RARE: u64 = 4;
 
 /// Points of a situation.
 #[derive(Default)]
 struct Points {
-    /// Cues besides trust, [`OTHERS`] of each.
+    /// Cues besides the prior, which is found here, `others` of each.
     cues: Vec<f32>,
+    others: usize,
     /// Features, `width` of each; none without the network.
     features: Vec<f32>,
     width: usize,
@@ -35,7 +34,7 @@ struct Points {
 
 impl Points {
     fn cues(&self, i: usize) -> &[f32] {
-        &self.cues[i * OTHERS..(i + 1) * OTHERS]
+        &self.cues[i * self.others..(i + 1) * self.others]
     }
 
     fn features(&self, i: usize) -> ArrayView1<'_, f32> {
@@ -43,7 +42,7 @@ impl Points {
     }
 
     fn join(&mut self, more: Self) {
-        self.width = more.width;
+        (self.width, self.others) = (more.width, more.others);
         self.cues.extend(more.cues);
         self.features.extend(more.features);
         self.right.extend(more.right);
@@ -51,7 +50,7 @@ impl Points {
 }
 
 /// Matches pairs of the set in all modes, with and without refinement and the network. Returns the coefficients that explain best which points are right, as the
-/// source has them, and the weights with the trust that belongs to them. `told` hears a line now and then.
+/// source has them, and the weights with those of its own and the prior that belongs to them. `told` hears a line now and then.
 pub fn refit(
     dataset: &Path,
     limit: Option<usize>,
@@ -76,7 +75,7 @@ pub fn refit(
         let (.., found) = over_pairs(&task, model, told, |trial| {
             let line = trial.names.map(String::as_str).join(" ");
             let known = trial.shapes.map(PreparedShape::clone);
-            let unknown = known.clone().map(|shape| PreparedShape { embedding: None, ..shape });
+            let unknown = known.clone().map(|shape| PreparedShape { embeddings: Vec::new(), ..shape });
             let rare = every(RARE, &line);
             let mut found = Vec::new();
             for (shapes, refine, asked) in [
@@ -95,11 +94,12 @@ pub fn refit(
                 let matched = pollster::block_on(match_with_cues(model, a, b, &options, &mut Progress::silent()));
                 let (matched, [cues, _]) = matched.map_err(|e| EvaluationError::method(&line, e))?;
                 let situation = Situation::of(&cues);
-                let features = a.embedding.as_ref().filter(|_| situation.learned).map(|e| &e.features);
-                let mut points = Points { width: features.map_or(0, Array2::ncols), ..Points::default() };
+                let features = a.embeddings.first().filter(|_| situation.learned).map(|e| &e.features);
+                let others = cues.table.ncols() - usize::from(situation.learned);
+                let mut points = Points { width: features.map_or(0, Array2::ncols), others, ..Points::default() };
                 for (i, right) in trial.judge(&matched.a_to_b.target) {
                     let row = a.support.row_of(i as usize);
-                    points.cues.extend(cues.table.row(row).iter().take(OTHERS).map(|&cue| cue as f32));
+                    points.cues.extend(cues.table.row(row).iter().take(others).map(|&cue| cue as f32));
                     points.features.extend(features.iter().flat_map(|features| features.row(row)));
                     points.right.push(right);
                 }
@@ -112,47 +112,59 @@ pub fn refit(
         }
     }
     let points = all_situations(points, dataset)?;
-    let features = model.weights().config.features;
-    let mut trust = Array2::<f32>::zeros((features + 1, 2));
+    let [trained] = model.networks() else { panic!("one network is fitted at a time") };
+    let weights = trained.weights();
+    let features = weights.config.features;
+    let mut prior = Array2::<f32>::zeros((features + 1, 2));
     let mut fitted = BTreeMap::new();
-    // Refined maps first: their points say what trust is, and the others take it as it is.
+    // Refined maps first: their points say what prior is, and the others take it as it is.
     let (best, others): (Vec<_>, Vec<_>) =
         points.iter().partition(|(s, points)| s.registered && points.width == features);
     for (&situation, points) in best {
-        let found = fit(&points.right, OTHERS + features, |i, row| {
-            row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
-            row[OTHERS..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
+        let others = points.others;
+        let found = fit(&points.right, others + features, |i, row| {
+            row[..others].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
+            row[others..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
         });
         let coefficients = converged(situation, found)?;
-        let of_features = &coefficients[1 + OTHERS..];
-        let mut column = trust.column_mut(usize::from(!situation.meshes));
+        let of_features = &coefficients[1 + others..];
+        let mut column = prior.column_mut(usize::from(!situation.meshes));
         (0..features).for_each(|f| column[f] = of_features[f] as f32);
         // About 0 on average, so that a point of which nothing is known is as good as any.
         let direction: Array1<f32> = column.iter().take(features).copied().collect();
         let sum: f64 = (0..points.right.len()).map(|i| f64::from(points.features(i).dot(&direction))).sum();
         let mean = sum / points.right.len() as f64;
         column[features] = -mean as f32;
-        let mut of_cues = [&coefficients[..1 + OTHERS], &[1.0]].concat();
+        let mut of_cues = [&coefficients[..1 + others], &[1.0]].concat();
         of_cues[0] += mean;
         fitted.insert(situation, of_cues);
     }
-    let trusted = |situation: &Situation, points: &Points, i: usize| {
-        let column = trust.column(usize::from(!situation.meshes));
-        if points.width == features { trust_of(column, points.features(i)) } else { 0.0 }
+    let priors = |situation: &Situation, points: &Points, i: usize| {
+        prior_of(prior.column(usize::from(!situation.meshes)), points.features(i))
     };
     for (&situation, points) in others {
-        let found = fit(&points.right, CUES, |i, row| {
-            row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
-            row[OTHERS] = trusted(&situation, points, i);
+        let inputs = points.others + usize::from(situation.learned);
+        let found = fit(&points.right, inputs, |i, row| {
+            row[..points.others].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
+            if situation.learned {
+                row[points.others] = priors(&situation, points, i);
+            }
         });
         fitted.insert(situation, converged(situation, found)?);
     }
     let text = fitted.iter().map(|(situation, coefficients)| {
         let points = &points[situation];
-        let trust = |i: usize| trusted(situation, points, i);
-        lines(*situation, points, coefficients, trust)
+        let prior = |i: usize| situation.learned.then(|| priors(situation, points, i));
+        lines(*situation, points, coefficients, prior)
     });
-    Ok((text.collect(), model.weights().clone().with(PRIOR, trust.clone())))
+    let text = text.collect();
+    let mut weights = weights.clone().with(PRIOR, prior.clone());
+    let rounded = |coefficients: &Vec<f64>| coefficients.iter().map(|c| (100.0 * c).round() / 100.0).collect();
+    weights.category.confidence = vec![Vec::new(); SITUATIONS];
+    for (situation, coefficients) in fitted.iter().filter(|(situation, _)| situation.learned) {
+        weights.category.confidence[situation.row()] = rounded(coefficients);
+    }
+    Ok((text, weights))
 }
 
 /// The points, if there are any of every situation.
@@ -181,15 +193,15 @@ fn converged(situation: Situation, fit: Fit) -> Result<Vec<f64>, EvaluationError
     Err(EvaluationError::NotFitted { to: format!("{situation:?}"), iterations, last_step })
 }
 
-/// Trust of a point by its features; the last of `column` is the constant.
-fn trust_of(column: ArrayView1<f32>, features: ArrayView1<f32>) -> f64 {
+/// Prior of a point by its features; the last of `column` is the constant.
+fn prior_of(column: ArrayView1<f32>, features: ArrayView1<f32>) -> f64 {
     f64::from(features.iter().zip(column).fold(column[features.len()], |sum, (x, t)| sum + x * t))
 }
 
 /// Coefficients as the source has them.
-fn lines(situation: Situation, points: &Points, coefficients: &[f64], trust: impl Fn(usize) -> f64) -> String {
+fn lines(situation: Situation, points: &Points, coefficients: &[f64], prior: impl Fn(usize) -> Option<f64>) -> String {
     let judged = |(i, &right): (usize, &bool)| {
-        let cues = points.cues(i).iter().map(|&cue| f64::from(cue)).chain([trust(i)]);
+        let cues = points.cues(i).iter().map(|&cue| f64::from(cue)).chain(prior(i));
         Judged { confidence: probability(coefficients, cues) as f32, right }
     };
     let judged: Vec<Judged> = points.right.iter().enumerate().map(judged).collect();

@@ -5,7 +5,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis, concatenate, s};
 use super::functional_map::{FunctionalMap, functional_maps};
 use super::{MapPair, Matchable};
 use crate::device::{Device, Interrupted, still_well};
-use crate::network::{Model, PointEmbedding, weyl_factor};
+use crate::network::{PointEmbedding, Thresholds, TrainedNetwork, weyl_factor};
 use crate::progress::Stage;
 
 /// Basis size of the first maps, as in training.
@@ -16,31 +16,36 @@ const KEYS: usize = 1024;
 const FEATURES: f32 = 0.7;
 const PARTS: f32 = 0.5;
 
-/// How much at home the network is with a pair.
+/// Out-of-distribution scores of a pair, by what a network makes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutOfDistribution {
     /// ‖C_ab C_ba − I‖²/k, mean of both ways round: what the maps there and back leave of functions. Two people give 0.02 to 0.1, whatever their poses;
-    /// pairs of animals, a person and an animal, and furniture 0.3 and more (measured on bodies of the generator's held-out seeds, on the CC0
-    /// quadrupeds and on a sphere, torus, chair, car and noise).
+    /// pairs of animals, a person and an animal, and furniture 0.3 and more (by weights that know people; measured on bodies of the generator's held-out seeds,
+    /// on the CC0 quadrupeds and on a sphere, torus, chair, car and noise).
     pub bijectivity: f64,
-    /// Mean probability of the likeliest part, of the shape where it is smaller: people 0.96, animals 0.66 to 0.86.
+    /// Mean probability of the likeliest part, of the shape where it is smaller: of people 0.96, of animals 0.66 to 0.86.
     pub certainty: f64,
+    thresholds: Thresholds,
 }
 
 impl OutOfDistribution {
-    /// Above this the maps there and back do not belong together.
-    const STRANGE: f64 = 0.2;
-    /// Below this a shape has not the parts of a person.
-    pub(crate) const UNCERTAIN: f64 = 0.88;
-
-    /// Whether the pair is unlike what the network was trained on.
+    /// Whether the pair is unlike what the network was trained on: the maps there and back do not belong together.
     pub fn is_strange(&self) -> bool {
-        self.bijectivity.is_nan() || self.bijectivity > Self::STRANGE
+        self.bijectivity.is_nan() || self.bijectivity > self.thresholds.bijectivity
     }
 
-    /// Whether the shapes are no people, so that a map that knows nothing of people may be better.
+    /// Whether another network's view of the same pair is the less likely one.
+    pub fn is_more_at_home_than(&self, other: &Self) -> bool {
+        let rank = |scores: &Self| {
+            let off = scores.bijectivity / scores.thresholds.bijectivity;
+            (scores.is_of_others(), if off.is_nan() { f64::INFINITY } else { off })
+        };
+        rank(self) <= rank(other)
+    }
+
+    /// Whether a shape has not the parts of the network's category, so that a map that knows nothing of it may be better.
     pub fn is_of_others(&self) -> bool {
-        self.certainty.is_nan() || self.certainty < Self::UNCERTAIN
+        self.certainty.is_nan() || self.certainty < self.thresholds.certainty
     }
 }
 
@@ -56,12 +61,13 @@ pub struct Learned<T> {
 
 /// The first maps. `masks` are probabilities of parts (p, c) that attention masks with; `known` (k, l) are coefficients of functions known to correspond.
 pub async fn learned_maps<D: Device>(
-    model: &Model<D>,
+    device: &D,
+    trained: &TrainedNetwork<D::Tensor>,
     [(a, of_a), (b, of_b)]: [(&Matchable, &PointEmbedding); 2],
     [mask_a, mask_b]: &[Array2<f32>; 2],
     known: Option<(ArrayView2<'_, f64>, ArrayView2<'_, f64>)>,
 ) -> Result<Learned<D::Tensor>, Interrupted> {
-    let (device, network) = (model.device(), model.network());
+    let network = trained.network();
     let sides = [(a, of_a, mask_a), (b, of_b, mask_b)];
     let on = sides.map(|(_, e, mask)| (device.upload(e.features.view()), device.upload(mask.view())));
     let keys = [0, 1].map(|side: usize| {
@@ -95,6 +101,7 @@ pub async fn learned_maps<D: Device>(
     let out_of_distribution = OutOfDistribution {
         bijectivity: (off(maps.c_ab.dot(&maps.c_ba)) + off(maps.c_ba.dot(&maps.c_ab))) / (2 * k) as f64,
         certainty: certainty(a, of_a).min(certainty(b, of_b)),
+        thresholds: trained.category().thresholds,
     };
     let maps = match known {
         Some((known_a, known_b)) => {
@@ -119,6 +126,5 @@ pub async fn learned_maps<D: Device>(
 
 /// Mean probability of the likeliest part over the surface.
 fn certainty(shape: &Matchable, embedding: &PointEmbedding) -> f64 {
-    let likeliest = |row: ArrayView1<f32>| f64::from(row.iter().copied().fold(0.0, f32::max));
-    embedding.parts.rows().into_iter().zip(&shape.basis.mass).map(|(row, mass)| likeliest(row) * mass).sum()
+    embedding.certainty(shape.basis.mass.iter().copied())
 }

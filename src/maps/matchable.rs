@@ -1,8 +1,11 @@
 //! One side of a pair, as the matching steps see it.
 
+use std::sync::Arc;
+
 use ndarray::{Array2, s};
 
 use crate::descriptors::SampledSurface;
+use crate::network::{Category, PointEmbedding};
 use crate::spectrum::SpectralBasis;
 
 /// A shape at unit area, ready to be matched: p points used.
@@ -14,14 +17,37 @@ pub struct Matchable {
     pub points: Array2<f64>,
     /// Descriptors (p, c) that do not depend on the pose in space.
     pub features: Array2<f32>,
-    /// Probability of each of [`crate::PARTS`] (p, 14), where a network was asked.
-    pub parts: Option<Array2<f32>>,
-    /// How far the place of a point on the body speaks for its match (p, 2), in log-odds beside other cues: between meshes, and where one is a cloud.
-    pub prior: Option<Array2<f32>>,
+    /// What a network says of how far each point can be trusted, where one was asked.
+    pub learned: Option<LearnedCues>,
     /// Rows of an even sampling, coarsest first: every prefix is a sampling too.
     pub coarse: Vec<u32>,
     /// The surface around that sampling.
     pub surface: SampledSurface,
+}
+
+/// Cues of confidence that a network gives; p points.
+#[derive(Clone, Debug)]
+pub struct LearnedCues {
+    /// Probability of each group of parts that is a cue of its category (p, g).
+    pub limbs: Array2<f64>,
+    /// How far the place of a point on the body speaks for its match (p, 2), in log-odds beside other cues: between meshes, and where one is a cloud.
+    pub prior: Option<Array2<f32>>,
+    /// The category, which has the coefficients of these cues.
+    pub category: Arc<Category>,
+}
+
+impl LearnedCues {
+    /// From probabilities of parts.
+    pub fn new(embedding: &PointEmbedding, prior: Option<Array2<f32>>) -> Self {
+        let category = embedding.category.clone();
+        let mut limbs = Array2::zeros((embedding.parts.nrows(), category.cues.len()));
+        for (mut column, parts) in limbs.columns_mut().into_iter().zip(&category.cues) {
+            for &part in parts {
+                column.zip_mut_with(&embedding.parts.column(part), |sum, &p| *sum += f64::from(p));
+            }
+        }
+        Self { limbs, prior, category }
+    }
 }
 
 impl Matchable {

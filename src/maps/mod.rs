@@ -11,10 +11,12 @@ mod matchable;
 mod point_map;
 
 pub use correspondence::{Correspondence, UNMATCHED};
+pub use functional_map::FunctionalMap;
+#[cfg(feature = "train")]
+pub use functional_map::functional_maps;
 pub(crate) use functional_map::smoothed;
-pub use functional_map::{FunctionalMap, functional_maps};
 pub use known_functions::{landmark_functions, part_functions};
 pub use learned::{OutOfDistribution, learned_maps};
-pub use matchable::Matchable;
+pub use matchable::{LearnedCues, Matchable};
 pub use point_map::MapPair;
 pub(crate) use point_map::{Beside, joint_nearest, maps_of_match};

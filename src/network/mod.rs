@@ -12,12 +12,12 @@ mod moments;
 mod network;
 mod weights;
 
-pub(crate) use category::meeting;
-pub use category::{GROUP_OF_PART, GROUPS, PARTS};
+pub(crate) use category::SITUATIONS;
+pub use category::{Category, Part, Thresholds};
 pub use config::{ModelConfig, Position};
 pub use inputs::{ShapeInputs, weyl_factor};
 #[cfg(feature = "train")]
 pub(crate) use model::PRIOR;
-pub use model::{Model, PointEmbedding};
+pub use model::{Model, PointEmbedding, TrainedNetwork};
 pub use network::{Embedding, Network};
-pub use weights::{Source, Start, Weights, WeightsError};
+pub use weights::{Source, Start, Weights, WeightsError, WeightsId};

@@ -1,7 +1,6 @@
 //! The forward pass, written once for matching and for training.
 
 use super::attention::PartAttention;
-use super::category::PARTS;
 use super::diffusion_net::DiffusionBlock;
 use super::inputs::{InputsOn, input_channels};
 use super::layers::{LayerNorm, Linear};
@@ -26,13 +25,13 @@ pub struct Network<T> {
 pub struct Embedding<T> {
     /// Features (n, f), before attention and not normalised.
     pub features: T,
-    /// Logits of the parts (n, 14).
+    /// Logits of the parts (n, c).
     pub logits: T,
 }
 
 impl<T> Network<T> {
-    /// Takes its parameters from `source`.
-    pub fn new(config: &ModelConfig, source: &mut impl Source<T>) -> Result<Self, WeightsError> {
+    /// Takes its parameters from `source`; tells so many `parts` apart.
+    pub fn new(config: &ModelConfig, parts: usize, source: &mut impl Source<T>) -> Result<Self, WeightsError> {
         let width = config.width;
         Ok(Self {
             config: config.clone(),
@@ -42,7 +41,7 @@ impl<T> Network<T> {
                 .collect::<Result<_, _>>()?,
             norm: LayerNorm::new(source, "norm", width)?,
             features: Linear::new(source, "features", width, config.features, 1.0)?,
-            parts: Linear::new(source, "parts", width, PARTS.len(), 1.0)?,
+            parts: Linear::new(source, "parts", width, parts, 1.0)?,
             attention: (config.attention > 0)
                 .then(|| PartAttention::new(source, "attention", config.features, config.attention))
                 .transpose()?,

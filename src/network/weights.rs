@@ -1,18 +1,37 @@
 //! Named tensors with checked shapes, in the safetensors format; f16 or f32 in the file, f32 in use.
 
 use std::collections::{BTreeMap, HashMap};
+use std::fmt;
 
 use half::f16;
 use ndarray::{Array2, ArrayView2};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
+use serde::{Deserialize, Serialize};
 
-use super::ModelConfig;
+use super::{Category, ModelConfig};
 use crate::device::Device;
 
 /// Why weights cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("these weights cannot be used: {0}")]
 pub struct WeightsError(pub String);
+
+/// Which weights: a prepared shape remembers those that looked at it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct WeightsId {
+    /// Their name.
+    pub name: String,
+    /// Their version.
+    pub version: String,
+    /// What tells weights of one name and version apart.
+    pub fingerprint: String,
+}
+
+impl fmt::Display for WeightsId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "\"{}\" {}", self.name, self.version)
+    }
+}
 
 /// How a new parameter starts, when there are no weights yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +55,8 @@ pub trait Source<T> {
 pub struct Weights {
     /// The network they are of.
     pub config: ModelConfig,
+    /// The kind of body that the network knows.
+    pub category: Category,
     /// What else the file says about itself: name, version, and the like.
     pub about: BTreeMap<String, String>,
     tensors: BTreeMap<String, Array2<f32>>,
@@ -43,17 +64,24 @@ pub struct Weights {
 
 impl Weights {
     /// Tensors by name.
-    pub fn new(config: ModelConfig, about: BTreeMap<String, String>, tensors: BTreeMap<String, Array2<f32>>) -> Self {
-        Self { config, about, tensors }
+    pub fn new(
+        config: ModelConfig,
+        category: Category,
+        about: BTreeMap<String, String>,
+        tensors: BTreeMap<String, Array2<f32>>,
+    ) -> Self {
+        Self { config, category, about, tensors }
     }
 
-    /// Reads a safetensors file whose header holds the configuration as JSON under `config`.
+    /// Reads a safetensors file whose header holds the configuration as JSON under `config`, and the category under `category`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, WeightsError> {
         let bad = |reason: &dyn std::fmt::Display| WeightsError(reason.to_string());
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(|error| bad(&error))?;
         let mut about: BTreeMap<String, String> = header.metadata().clone().into_iter().flatten().collect();
         let config = about.remove("config").ok_or_else(|| bad(&"the header names no configuration"))?;
         let config = serde_json::from_str(&config).map_err(|error| bad(&error))?;
+        let category = about.remove("category").ok_or_else(|| bad(&"the header names no category"))?;
+        let category = Category::from_json(&category)?;
         let file = SafeTensors::deserialize(bytes).map_err(|error| bad(&error))?;
         let mut tensors = BTreeMap::new();
         for (name, view) in file.tensors() {
@@ -71,13 +99,26 @@ impl Weights {
             let matrix = Array2::from_shape_vec((rows, cols), values).map_err(|error| bad(&error))?;
             tensors.insert(name, matrix);
         }
-        Ok(Self { config, about, tensors })
+        Ok(Self { config, category, about, tensors })
     }
 
-    /// Name and version, as reports give them.
-    pub fn named(&self) -> serde_json::Value {
-        let about = |key: &str| self.about.get(key).map_or("unnamed", String::as_str);
-        serde_json::json!({ "name": about("name"), "version": about("version") })
+    /// What they are called, and what tells them from all others.
+    pub fn id(&self) -> WeightsId {
+        let about = |key: &str| self.about.get(key).map_or("unnamed", String::as_str).to_owned();
+        WeightsId { name: about("name"), version: about("version"), fingerprint: self.fingerprint() }
+    }
+
+    /// FNV-1a, 64 bits, of the names and values of all tensors as f16, so that a file has that of the weights it was written from.
+    fn fingerprint(&self) -> String {
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut enter = |bytes: &[u8]| {
+            bytes.iter().for_each(|&byte| hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+        };
+        for (name, tensor) in &self.tensors {
+            enter(name.as_bytes());
+            tensor.iter().for_each(|&value| enter(&f16::from_f32(value).to_le_bytes()));
+        }
+        format!("{hash:016x}")
     }
 
     /// As a safetensors file, in f16 or in f32.
@@ -103,6 +144,7 @@ impl Weights {
         let config = serde_json::to_string(&self.config).map_err(|error| WeightsError(error.to_string()))?;
         let mut header: HashMap<String, String> = self.about.clone().into_iter().collect();
         header.insert("config".to_owned(), config);
+        header.insert("category".to_owned(), self.category.to_json()?);
         serialize(views, Some(header)).map_err(|error| WeightsError(error.to_string()))
     }
 

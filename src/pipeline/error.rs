@@ -3,6 +3,7 @@
 use serde_json::json;
 
 use super::{BlockError, DeviceError, OptionError};
+use crate::network::WeightsError;
 use crate::operators::OperatorError;
 use crate::progress::Cancelled;
 use crate::read::ReadError;
@@ -31,6 +32,9 @@ pub enum Error {
     /// An option has no meaning here.
     #[error(transparent)]
     Option(#[from] OptionError),
+    /// Weights that cannot be used.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
     /// Bytes that should be a prepared shape are not.
     #[error(transparent)]
     Block(#[from] BlockError),
@@ -76,6 +80,7 @@ impl Error {
             Error::Spectrum(e) => e.code(),
             Error::Device(e) => e.code(),
             Error::Option(e) => e.code(),
+            Error::Weights(_) => "invalid-weights",
             Error::Block(e) => e.code(),
             Error::Cancelled(_) => "cancelled",
         }
@@ -90,6 +95,7 @@ impl Error {
             Error::Spectrum(e) => e.details(),
             Error::Device(e) => e.details(),
             Error::Option(e) => e.details(),
+            Error::Weights(e) => json!({ "reason": e.0 }),
             Error::Block(e) => json!({ "reason": e.to_string() }),
             Error::Cancelled(e) => json!({ "stage": e.stage }),
         }

@@ -8,7 +8,7 @@ use super::given::Functions;
 use super::{MatchOptions, Parts, PreparedShape};
 use crate::confidence::strain;
 use crate::device::{Cpu, Device, Interrupted};
-use crate::maps::{Correspondence, Matchable, OutOfDistribution, learned_maps};
+use crate::maps::{Correspondence, LearnedCues, MapPair, Matchable, OutOfDistribution, learned_maps};
 use crate::network::{Model, PointEmbedding};
 use crate::progress::{Progress, Stage};
 use crate::registration::{Refined, Refinement, initial_maps, refine};
@@ -22,51 +22,58 @@ pub(super) struct Pair<'a> {
 }
 
 /// What a match ends with, at the points used.
-pub(super) struct BestMaps {
+pub(super) struct BestMaps<'a> {
     pub(super) refined: Refined,
     pub(super) raw: Option<Correspondence>,
-    pub(super) out_of_distribution: Option<OutOfDistribution>,
-    pub(super) weights: serde_json::Value,
+    /// The network that is most at home with the pair; nothing where none was asked.
+    pub(super) home: Option<Home<'a>>,
+    /// Whether its map was taken.
+    pub(super) by_network: bool,
+}
+
+/// A network's view of a pair.
+pub(super) struct Home<'a> {
+    pub(super) embeddings: [&'a PointEmbedding; 2],
+    pub(super) scores: OutOfDistribution,
+}
+
+/// A map to refine.
+struct Start<T> {
+    sides: [Matchable; 2],
+    maps: MapPair,
+    extra: Option<[T; 2]>,
 }
 
 /// The part of a match that runs on the device: first maps, as many as there are hypotheses, each refined, and the best of them.
-pub(super) async fn best_maps<D: Device>(
+pub(super) async fn best_maps<'a, D: Device>(
     model: &Model<D>,
-    pair: &Pair<'_>,
+    pair: &Pair<'a>,
     options: &MatchOptions,
     progress: &mut Progress<'_>,
-) -> Result<BestMaps, Interrupted> {
-    let Pair { shapes: [a, b], sides, parts, .. } = *pair;
-    let [side_a, side_b] = sides;
+) -> Result<BestMaps<'a>, Interrupted> {
+    let Pair { sides, parts, .. } = *pair;
     let device = model.device();
     let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
-    let mut candidates = Vec::new();
-    let mut out_of_distribution = None;
-    if let (Some(of_a), Some(of_b)) = (&a.embedding, &b.embedding)
-        && [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.features)
-    {
-        let soft = masks(options.parts, of_a, of_b, parts);
-        let learned = learned_maps(model, [(side_a, of_a), (side_b, of_b)], &soft, known).await?;
-        out_of_distribution = Some(learned.out_of_distribution);
-        candidates.push((sides, learned.maps, Some(learned.extra), model.weights().named()));
-    }
-    let without;
-    if out_of_distribution.is_none_or(|at_home| at_home.is_of_others() && !options.network_only) {
+    let (home, mut starts) = match learned_start(model, pair, options).await? {
+        Some((home, start)) => (Some(home), vec![start]),
+        None => (None, Vec::new()),
+    };
+    if home.as_ref().is_none_or(|home| home.scores.is_of_others() && !options.network_only) {
+        let [side_a, side_b] = sides;
         // Many steps on few points: a device would mostly wait.
         let maps = initial_maps(&Cpu, side_a, side_b, known, parts).await;
-        without = sides.clone().map(|side| Matchable { parts: None, prior: None, ..side });
-        candidates.push((&without, maps, None, serde_json::Value::Null));
+        starts.push(Start { sides: sides.clone(), maps, extra: None });
     }
 
     // Whatever made it, a map between two poses of one body keeps lengths. So does its mirror image: which of the two it is the features alone can say, and a
     // mirrored start is no candidate.
     let mut best: Option<(f64, Refined, usize)> = None;
-    for (index, (sides, maps, extra, _)) in candidates.iter().enumerate() {
-        let ([side_a, side_b], first, extra) = (sides, maps.clone(), extra.as_ref());
-        let refined = if index + 1 == candidates.len() {
+    for (index, Start { sides: [side_a, side_b], maps, extra }) in starts.iter().enumerate() {
+        let (first, extra) = (maps.clone(), extra.as_ref());
+        let refined = if index + 1 == starts.len() {
             refine(device, (side_a, side_b), first, extra, parts, options.refine, progress).await?
         } else {
-            // For who listens no stage comes twice.
+            // A listener is not told of a stage twice.
             let mut within = Progress::new(|_, _| progress.at(Stage::Refine, 0.0).is_ok());
             refine(device, (side_a, side_b), first, extra, parts, options.refine, &mut within).await?
         };
@@ -76,14 +83,41 @@ pub(super) async fn best_maps<D: Device>(
         }
     }
     let (_, refined, index) = best.expect("a pair without the network's map has the other");
-    let ([side_a, side_b], first, extra, weights) = candidates.swap_remove(index);
+    let Start { sides: [side_a, side_b], maps, extra } = starts.swap_remove(index);
+    let by_network = extra.is_some();
     let raw = if options.raw {
         let (unheard, extra) = (&mut Progress::silent(), extra.as_ref());
-        Some(refine(device, (side_a, side_b), first, extra, parts, Refinement::None, unheard).await?.a_to_b)
+        Some(refine(device, (&side_a, &side_b), maps, extra, parts, Refinement::None, unheard).await?.a_to_b)
     } else {
         None
     };
-    Ok(BestMaps { refined, raw, out_of_distribution, weights })
+    Ok(BestMaps { refined, raw, home, by_network })
+}
+
+/// The maps of the network that is most at home with a pair, of those that looked at both shapes.
+async fn learned_start<'a, D: Device>(
+    model: &Model<D>,
+    pair: &Pair<'a>,
+    options: &MatchOptions,
+) -> Result<Option<(Home<'a>, Start<D::Tensor>)>, Interrupted> {
+    let Pair { shapes: [a, b], sides: [side_a, side_b], parts, .. } = *pair;
+    let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
+    let mut best: Option<(Home, Start<D::Tensor>)> = None;
+    for trained in model.networks() {
+        let (Some(of_a), Some(of_b)) = (a.embedding(trained.id()), b.embedding(trained.id())) else { continue };
+        let soft = masks(options.parts, of_a, of_b, parts);
+        let learned = learned_maps(model.device(), trained, [(side_a, of_a), (side_b, of_b)], &soft, known).await?;
+        let home = Home { embeddings: [of_a, of_b], scores: learned.out_of_distribution };
+        if best.as_ref().is_some_and(|(other, _)| other.scores.is_more_at_home_than(&home.scores)) {
+            continue;
+        }
+        let sides = [(side_a, of_a), (side_b, of_b)].map(|(side, embedding)| {
+            let cues = LearnedCues::new(embedding, trained.prior(embedding));
+            Matchable { learned: Some(cues), ..side.clone() }
+        });
+        best = Some((home, Start { sides, maps: learned.maps, extra: Some(learned.extra) }));
+    }
+    Ok(best)
 }
 
 /// Probabilities of parts (p, c) on both sides that attention masks with: predicted, given labels as ones and noughts, or one part for all.

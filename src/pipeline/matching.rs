@@ -11,8 +11,8 @@ use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, Prepare
 use crate::confidence::{Cues, stretch};
 use crate::device::{Device, Fallback, Interrupted};
 use crate::lifting::lift;
-use crate::maps::{Correspondence, FunctionalMap, Matchable};
-use crate::network::Model;
+use crate::maps::{Correspondence, FunctionalMap};
+use crate::network::{Model, WeightsId};
 use crate::progress::{Progress, Stage};
 use crate::registration::Refined;
 
@@ -35,8 +35,10 @@ pub struct Match {
     pub points_used: [usize; 2],
     /// What a user should know before trusting the result.
     pub warnings: Vec<String>,
-    /// Name and version of the weights that took part; null when none did.
-    pub weights: serde_json::Value,
+    /// The weights that took part; nothing when none did.
+    pub weights: Option<WeightsId>,
+    /// Name of the category that the pair is taken to be of; nothing where no network is at home with it.
+    pub category: Option<String>,
     /// Where and why the CPU took over from the device; nothing when it did not.
     pub fallback: Option<Fallback>,
     /// The device that it ran on, or began on.
@@ -75,6 +77,7 @@ pub(crate) async fn match_with_cues<D: Device>(
     progress: &mut Progress<'_>,
 ) -> Result<(Match, [Cues; 2]), Error> {
     progress.at(Stage::FunctionalMap, 0.0)?;
+    check_weights(model, [a, b])?;
     let parts = match options.parts {
         Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
         Parts::Predicted | Parts::None => None,
@@ -86,10 +89,7 @@ pub(crate) async fn match_with_cues<D: Device>(
     {
         return Err(OptionError::no_shared_labels(of_a[0], of_b[0]).into());
     }
-    let sides = [a, b].map(|shape| {
-        let prior = shape.embedding.as_ref().and_then(|embedding| model.prior(embedding));
-        Matchable { prior, ..shape.matchable() }
-    });
+    let sides = [a, b].map(PreparedShape::matchable);
     let [side_a, side_b] = &sides;
     let known = [
         landmarks(a, b, side_a, side_b, &options.landmarks)?,
@@ -104,18 +104,15 @@ pub(crate) async fn match_with_cues<D: Device>(
         }
         best => (best, None),
     };
-    let BestMaps { refined: Refined { a_to_b, b_to_a, maps, cues }, raw, out_of_distribution, weights } = match best {
+    let BestMaps { refined: Refined { a_to_b, b_to_a, maps, cues }, raw, home, by_network } = match best {
         Ok(best) => best,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
         Err(Interrupted::Failed(_)) => unreachable!("the CPU does not fail"),
     };
-    let untrained = out_of_distribution.is_none().then(|| UNTRAINED.to_owned());
+    let untrained = home.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
-    warnings.extend(out_of_distribution.and_then(|at_home| verdict(at_home, weights.is_null())));
-    let predicted = match (&a.embedding, &b.embedding, out_of_distribution) {
-        (Some(of_a), Some(of_b), Some(at_home)) if !at_home.is_of_others() => Some([&of_a.parts, &of_b.parts]),
-        _ => None,
-    };
+    warnings.extend(home.as_ref().and_then(|home| verdict(home, !by_network)));
+    let predicted = home.as_ref().filter(|home| !home.scores.is_of_others()).map(|home| home.embeddings);
     warnings
         .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));
     warnings.extend(doubts(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
@@ -139,12 +136,26 @@ pub(crate) async fn match_with_cues<D: Device>(
         seconds: progress.take_seconds(),
         points_used: [side_a.len(), side_b.len()],
         warnings,
-        weights,
+        weights: home.as_ref().filter(|_| by_network).map(|home| home.embeddings[0].weights.clone()),
+        category: predicted.map(|[of_a, _]| of_a.category.name.clone()),
         fallback,
         device: DeviceKind::Cpu,
         gpu: GpuUse::default(),
     };
     Ok((matched, cues))
+}
+
+/// Refuses a scan of which none of the networks at hand made its embedding, and two that have none of these in common.
+fn check_weights<D: Device>(model: &Model<D>, pair: [&PreparedShape; 2]) -> Result<(), OptionError> {
+    let loaded: Vec<&WeightsId> = model.networks().iter().map(|network| network.id()).collect();
+    let known = |shape: &PreparedShape, id: &WeightsId| shape.embeddings.is_empty() || shape.embedding(id).is_some();
+    for (scan, before, shape) in [("A", None, pair[0]), ("B", Some(pair[0]), pair[1])] {
+        if !loaded.iter().any(|id| known(shape, id) && before.is_none_or(|before| known(before, id))) {
+            let prepared: Vec<&WeightsId> = shape.embeddings.iter().map(|embedding| &embedding.weights).collect();
+            return Err(OptionError::other_weights(scan, &prepared, &loaded));
+        }
+    }
+    Ok(())
 }
 
 /// C of bases whose masses sum to 1 as C of the bases that users hold.

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::network::WeightsId;
 use crate::operators::LaplacianKind;
 use crate::registration::Refinement;
 use crate::shape::Axis;
@@ -113,6 +114,20 @@ impl OptionError {
             code: "no-labels",
             message: format!("parts are to be as given, but scan {scan} came without labels"),
             details: json!({ "scan": scan }),
+        }
+    }
+
+    /// A scan that other weights looked at than those that are to match it.
+    pub(crate) fn other_weights(scan: &str, prepared: &[&WeightsId], loaded: &[&WeightsId]) -> Self {
+        let names = |ids: &[&WeightsId]| ids.iter().map(|id| id.to_string()).collect::<Vec<_>>().join(", ");
+        Self {
+            code: "other-weights",
+            message: format!(
+                "scan {scan} was prepared with the weights {}, and those loaded are {}: prepare it again",
+                names(prepared),
+                names(loaded)
+            ),
+            details: json!({ "scan": scan, "prepared": prepared, "loaded": loaded }),
         }
     }
 

@@ -8,9 +8,9 @@ use ndarray::{Array2, s};
 use super::contact::edges_between_limbs;
 use super::geometry::Geometry;
 use super::{Error, FaceUse, Info, PrepareOptions, PreparedShape, ShapeKind};
-use crate::device::{Device, Interrupted, still_well};
+use crate::device::{Cpu, Device, Interrupted, still_well};
 use crate::graph::components;
-use crate::network::{Model, PointEmbedding, Position, ShapeInputs, meeting};
+use crate::network::{Model, PointEmbedding, Position, ShapeInputs, TrainedNetwork};
 use crate::operators::{self, Laplacian, LaplacianKind, gradient};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::registration::COARSE;
@@ -44,12 +44,15 @@ pub async fn prepare_with<D: Device>(
     // Kept through the network only where it may be needed again.
     let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
     let laplacian = by_default.then_some(laplacian);
-    let parts = ask(model, &mut prepared, &operator_shape, 0.2..0.4, progress).await?;
-    if let Some(edges) = laplacian.and_then(|laplacian| edges_between_limbs(&laplacian, &parts)) {
+    ask(model, &mut prepared, &operator_shape, 0.2..0.4, progress).await?;
+    let home = prepared.embeddings.first().cloned();
+    let in_contact =
+        laplacian.zip(home).and_then(|(laplacian, home)| Some((edges_between_limbs(&laplacian, &home)?, home)));
+    if let Some((edges, PointEmbedding { category, parts, .. })) = in_contact {
         // A graph and a spectrum again, but for who listens no stage comes twice.
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
         let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
-        let meet = |i: u32, j: u32| f64::from(meeting(parts.row(i as usize), parts.row(j as usize)));
+        let meet = |i: u32, j: u32| f64::from(category.meeting(parts.row(i as usize), parts.row(j as usize)));
         let apart = Geometry::of(&operator_shape, kind, Some(&meet), sampled, options.eigenpairs, &mut within);
         drop(within);
         match apart {
@@ -70,6 +73,8 @@ pub async fn prepare_with<D: Device>(
             Err(_) => {}
         }
     }
+    let extent = prepared.embeddings.first().and_then(|home| home.category.extent);
+    prepared.info.unit = extent.and_then(|extent| unit(&prepared.points_of_rows(), extent));
     progress.at(Stage::Features, 1.0)?;
     prepared.info.seconds = progress.take_seconds();
     Ok(prepared)
@@ -84,37 +89,52 @@ fn not_proved(report: &SpectrumReport, basis: &SpectralBasis) -> Option<Repair> 
     (!report.complete).then(|| Repair::noted(NOT_PROVED, basis.k(), message.to_owned()))
 }
 
-/// What the network makes of a shape, within a range of the stage; returns the probabilities of parts.
+/// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with.
 async fn ask<D: Device>(
     model: &Model<D>,
     prepared: &mut PreparedShape,
     operator_shape: &Shape,
     share: Range<f64>,
     progress: &mut Progress<'_>,
-) -> Result<Array2<f32>, Error> {
+) -> Result<(), Error> {
     progress.at(Stage::Features, share.start)?;
-    let config = &model.weights().config;
-    let inputs = {
-        // Gradients take a graph again, but for who listens no stage comes twice.
-        let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
-        network_inputs(prepared, operator_shape, config.eigenpairs, config.position, &mut within)
-            .map_err(|_| Cancelled { stage: Stage::Features })?
-    };
-    progress.at(Stage::Features, share.end)?;
-    let embedding = match embed(model, &inputs).await {
-        Ok(embedding) => embedding,
-        Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
-        Err(Interrupted::Failed(fallback)) => {
-            prepared.info.fallback = Some(fallback);
-            model.on_cpu().embed(&inputs).await
-        }
-    };
-    Ok(prepared.embedding.insert(embedding).parts.clone())
+    prepared.embeddings.clear();
+    for (index, trained) in model.networks().iter().enumerate() {
+        let config = &trained.weights().config;
+        let inputs = {
+            // Gradients take a graph again, but a listener is not told of a stage twice.
+            let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
+            network_inputs(prepared, operator_shape, config.eigenpairs, config.position, &mut within)
+                .map_err(|_| Cancelled { stage: Stage::Features })?
+        };
+        progress.at(Stage::Features, share.end)?;
+        let embedding = match embed(model.device(), trained, &inputs).await {
+            Ok(embedding) => embedding,
+            Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+            Err(Interrupted::Failed(fallback)) => {
+                prepared.info.fallback = Some(fallback);
+                model.on_cpu().networks()[index].embed(&Cpu, &inputs).await
+            }
+        };
+        prepared.embeddings.push(embedding);
+    }
+    prepared.embeddings.sort_by(|x, y| margin(y).total_cmp(&margin(x)));
+    Ok(())
 }
 
-async fn embed<D: Device>(model: &Model<D>, inputs: &ShapeInputs) -> Result<PointEmbedding, Interrupted> {
-    let embedding = model.embed(inputs).await;
-    still_well(model.device(), Stage::Features)?;
+/// By how much the parts of a shape are more certain than its category asks for.
+fn margin(embedding: &PointEmbedding) -> f64 {
+    let share = 1.0 / embedding.parts.nrows().max(1) as f64;
+    embedding.certainty(std::iter::repeat(share)) - embedding.category.thresholds.certainty
+}
+
+async fn embed<D: Device>(
+    device: &D,
+    trained: &TrainedNetwork<D::Tensor>,
+    inputs: &ShapeInputs,
+) -> Result<PointEmbedding, Interrupted> {
+    let embedding = trained.embed(device, inputs).await;
+    still_well(device, Stage::Features)?;
     Ok(embedding)
 }
 
@@ -196,7 +216,7 @@ pub(crate) fn prepare_with_shape(
         faces: as_read.faces().len(),
         pieces: pieces(&laplacian),
         points_used: used.len(),
-        unit: unit(&used),
+        unit: None,
         up_axis: options.up.or(as_read.up()).or_else(|| longest_axis(&used)),
         scale: operators::surface_area(&operator_shape, &laplacian).sqrt(),
         laplacian: kind,
@@ -205,8 +225,17 @@ pub(crate) fn prepare_with_shape(
         seconds: BTreeMap::new(),
         fallback: None,
     };
-    let prepared =
-        PreparedShape { shape: as_read, info, repairs, basis, support, coarse, surface, features, embedding: None };
+    let prepared = PreparedShape {
+        shape: as_read,
+        info,
+        repairs,
+        basis,
+        support,
+        coarse,
+        surface,
+        features,
+        embeddings: Vec::new(),
+    };
     Ok((prepared, operator_shape, laplacian))
 }
 
@@ -277,12 +306,12 @@ fn extents(points: &[[f64; 3]]) -> [f64; 3] {
     })
 }
 
-/// The unit in which the longest extent is that of a body, between a small animal and a tall person with raised arms: 0.3 m to 2.6 m.
-fn unit(points: &[[f64; 3]]) -> Option<String> {
-    let longest = extents(points).into_iter().fold(0.0, f64::max);
+/// The unit in which the longest side of the scan's box is that of a body of the category, `shortest` to `longest` metres.
+fn unit(points: &[[f64; 3]], [shortest, longest]: [f64; 2]) -> Option<String> {
+    let side = extents(points).into_iter().fold(0.0, f64::max);
     [("m", 1.0), ("cm", 100.0), ("mm", 1000.0)]
         .into_iter()
-        .find(|(_, per_metre)| (0.3..2.6).contains(&(longest / per_metre)))
+        .find(|(_, per_metre)| (shortest..longest).contains(&(side / per_metre)))
         .map(|(name, _)| name.to_owned())
 }
 

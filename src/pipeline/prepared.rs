@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use safetensors::tensor::{Dtype, SafeTensors, View, serialize};
@@ -14,7 +15,7 @@ use crate::descriptors::SampledSurface;
 use crate::device::Fallback;
 use crate::lifting::Sampled;
 use crate::maps::Matchable;
-use crate::network::{GROUP_OF_PART, GROUPS, PARTS, PointEmbedding};
+use crate::network::{Category, PointEmbedding, WeightsId};
 use crate::operators::LaplacianKind;
 use crate::shape::{self, Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
@@ -86,8 +87,8 @@ pub struct PreparedShape {
     pub surface: SampledSurface,
     /// Descriptors (p, c) that need no network.
     pub features: Array2<f32>,
-    /// What the network says of the points used; nothing before it was asked.
-    pub embedding: Option<PointEmbedding>,
+    /// What networks say of the points used, first that of the category which the shape is most at home with; nothing before they were asked.
+    pub embeddings: Vec<PointEmbedding>,
 }
 
 /// Bytes that are not a prepared shape.
@@ -141,13 +142,27 @@ impl PreparedShape {
             mass,
         };
         let (features, coarse, surface) = (self.features.clone(), self.coarse.clone(), self.surface.clone());
-        let parts = self.embedding.as_ref().map(|embedding| embedding.parts.clone());
-        Matchable { basis, points, features, parts, prior: None, coarse, surface }
+        Matchable { basis, points, features, learned: None, coarse, surface }
     }
 
-    /// The predicted part of each uploaded point, an index into [`crate::PARTS`]; nothing when no network was asked.
+    /// What these weights said of it, if they were asked.
+    pub fn embedding(&self, weights: &WeightsId) -> Option<&PointEmbedding> {
+        self.embeddings.iter().find(|embedding| embedding.weights == *weights)
+    }
+
+    /// The category that the shape is most at home with.
+    pub fn category(&self) -> Option<&Category> {
+        Some(&*self.embeddings.first()?.category)
+    }
+
+    /// Positions (p, 3) of the points used, in the unit of the upload.
+    pub(crate) fn points_of_rows(&self) -> Vec<[f64; 3]> {
+        (0..self.points_used()).map(|row| self.shape.points()[self.support.uploaded(row)]).collect()
+    }
+
+    /// The predicted part of each uploaded point, a part of [`category`](Self::category); nothing when no network was asked.
     pub fn predicted_parts(&self) -> Option<Vec<u32>> {
-        let likeliest = likeliest_parts(&self.embedding.as_ref()?.parts);
+        let likeliest = likeliest_parts(&self.embeddings.first()?.parts);
         Some((0..self.shape.points().len()).map(|i| u32::from(likeliest[self.support.row_of(i)])).collect())
     }
 
@@ -178,8 +193,13 @@ impl PreparedShape {
             let names: Vec<String> = (0..=highest).map(|part| format!("part {part}")).collect();
             return Some(serde_json::json!({ "names": names, "source": "given" }));
         }
-        let groups = serde_json::json!({ "names": GROUPS, "of": GROUP_OF_PART });
-        self.embedding.as_ref().map(|_| serde_json::json!({ "names": PARTS, "source": "predicted", "groups": groups }))
+        let category = self.category()?;
+        let mut parts = serde_json::json!({ "names": category.part_names(), "source": "predicted" });
+        if !category.groups.is_empty() {
+            let of: Vec<usize> = category.parts.iter().map(|part| part.group).collect();
+            parts["groups"] = serde_json::json!({ "names": category.groups, "of": of });
+        }
+        Some(parts)
     }
 
     /// The flat block: safetensors, little-endian.
@@ -187,7 +207,7 @@ impl PreparedShape {
         let (n, k) = (self.shape.points().len(), self.basis.k());
         let eigenvectors = self.basis.eigenvectors.as_standard_layout();
         let features = self.features.as_standard_layout();
-        let mut tensors = vec![
+        let tables = [
             ("positions", Tensor::of(Dtype::F64, self.shape.points().as_flattened(), &[n, 3])),
             ("faces", Tensor::of(Dtype::U32, self.shape.faces().as_flattened(), &[self.shape.faces().len(), 3])),
             ("eigenvalues", Tensor::of(Dtype::F64, contiguous(self.basis.eigenvalues.as_slice())?, &[k])),
@@ -202,14 +222,18 @@ impl PreparedShape {
             ("normals", Tensor::of(Dtype::F64, self.surface.normals.as_flattened(), &[self.surface.normals.len(), 3])),
             ("features", Tensor::of(Dtype::F32, contiguous(features.as_slice())?, features.shape())),
         ];
-        let learned = self.embedding.as_ref();
-        let learned = learned.map(|e| [("learned", &e.features), ("partProbabilities", &e.parts)]);
-        for (name, matrix) in learned.into_iter().flatten() {
-            tensors.push((name, Tensor::of(Dtype::F32, contiguous(matrix.as_slice())?, matrix.shape())));
+        let mut tensors: Vec<(String, Tensor)> =
+            tables.into_iter().map(|(name, tensor)| (name.to_owned(), tensor)).collect();
+        for (index, embedding) in self.embeddings.iter().enumerate() {
+            for (name, matrix) in learned_names(index).into_iter().zip([&embedding.features, &embedding.parts]) {
+                tensors.push((name, Tensor::of(Dtype::F32, contiguous(matrix.as_slice())?, matrix.shape())));
+            }
         }
         // Only for the owner of the bytes, who is to look them up and not to compute.
-        let likeliest = self.embedding.as_ref().map(|e| likeliest_parts(&e.parts));
-        tensors.extend(likeliest.iter().map(|parts| ("partLabels", Tensor::of(Dtype::U8, parts, &[parts.len()]))));
+        let likeliest = self.embeddings.first().map(|e| likeliest_parts(&e.parts));
+        tensors.extend(
+            likeliest.iter().map(|parts| ("partLabels".to_owned(), Tensor::of(Dtype::U8, parts, &[parts.len()]))),
+        );
         let optional = [
             ("labels", self.shape.labels()),
             ("carriers", self.support.carriers.as_deref()),
@@ -219,10 +243,11 @@ impl PreparedShape {
             ("unmatched", self.support.unmatched.as_deref()),
         ];
         tensors.extend(
-            optional
-                .into_iter()
-                .filter_map(|(name, values)| Some((name, Tensor::of(Dtype::U32, values?, &[values?.len()])))),
+            optional.into_iter().filter_map(|(name, values)| {
+                Some((name.to_owned(), Tensor::of(Dtype::U32, values?, &[values?.len()])))
+            }),
         );
+        let said: Vec<(&WeightsId, &Category)> = self.embeddings.iter().map(|e| (&e.weights, &*e.category)).collect();
         let json = |value: Result<String, serde_json::Error>| value.map_err(|e| BlockError(e.to_string()));
         let metadata = HashMap::from([
             ("format".to_owned(), FORMAT.to_owned()),
@@ -230,6 +255,7 @@ impl PreparedShape {
             ("repairs".to_owned(), json(serde_json::to_string(&self.repairs))?),
             ("oriented".to_owned(), self.surface.oriented.to_string()),
             ("parts".to_owned(), json(serde_json::to_string(&self.parts()))?),
+            ("embeddings".to_owned(), json(serde_json::to_string(&said))?),
         ]);
         serialize(tensors, Some(metadata)).map_err(|e| BlockError(e.to_string()))
     }
@@ -302,17 +328,30 @@ impl PreparedShape {
             let found = values::<f32>(&block, name, Dtype::F32)?;
             Array2::from_shape_vec((p, found.len() / p), found).map_err(matrix)
         };
-        let embedding = match block.names().contains(&"learned") {
-            true if learned("partProbabilities")?.ncols() != PARTS.len() => return Err(fail("its parts are others")),
-            true => Some(PointEmbedding { features: learned("learned")?, parts: learned("partProbabilities")? }),
-            false => None,
-        };
+        let said: Vec<(WeightsId, Category)> =
+            serde_json::from_str(text("embeddings")?).map_err(|e| BlockError(e.to_string()))?;
+        let mut embeddings = Vec::with_capacity(said.len());
+        for (index, (weights, category)) in said.into_iter().enumerate() {
+            category.check().map_err(BlockError)?;
+            let [features, parts] = learned_names(index);
+            let (features, parts) = (learned(&features)?, learned(&parts)?);
+            if parts.ncols() != category.parts.len() {
+                return Err(fail("its parts are others"));
+            }
+            embeddings.push(PointEmbedding { weights, category: Arc::new(category), features, parts });
+        }
         let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
-        Ok(Self { shape, info, repairs, basis, support, coarse, surface, features, embedding })
+        Ok(Self { shape, info, repairs, basis, support, coarse, surface, features, embeddings })
     }
 }
 
-/// The most probable part (p) of each row of probabilities (p, 14); the first of equals.
+/// What the features and the probabilities of parts of an embedding are called in a block.
+fn learned_names(index: usize) -> [String; 2] {
+    let number = if index == 0 { String::new() } else { format!("{}", index + 1) };
+    [format!("learned{number}"), format!("partProbabilities{number}")]
+}
+
+/// The most probable part (p) of each row of probabilities (p, c); the first of equals.
 fn likeliest_parts(probabilities: &Array2<f32>) -> Vec<u8> {
     let likeliest = |row: ArrayView1<f32>| {
         let first = (0, f32::NEG_INFINITY);

@@ -1,5 +1,7 @@
 //! The device that dense work runs on: chosen once, told with its reason, and opened anew after it was lost.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -91,7 +93,7 @@ impl DeviceError {
 /// A network on the device of choice, with the CPU behind it.
 #[derive(Debug)]
 pub struct Processor {
-    model: &'static Model,
+    model: Arc<Model>,
     info: DeviceInfo,
     gpu: GpuState,
 }
@@ -114,7 +116,7 @@ const KEPT: u64 = 64 << 20;
 
 impl Processor {
     /// The CPU.
-    pub fn cpu(model: &'static Model) -> Self {
+    pub fn cpu(model: Arc<Model>) -> Self {
         Self { model, info: on_cpu("asked for"), gpu: GpuState::Unused }
     }
 
@@ -140,10 +142,10 @@ impl Processor {
                 on_gpu.device().trim(KEPT);
                 prepared
             }
-            GpuState::Unused => prepare_with(self.model, shape, name, options, progress).await,
+            GpuState::Unused => prepare_with(&self.model, shape, name, options, progress).await,
             #[cfg(feature = "gpu")]
             GpuState::Gone(reason, _) => {
-                let mut prepared = prepare_with(self.model, shape, name, options, progress).await?;
+                let mut prepared = prepare_with(&self.model, shape, name, options, progress).await?;
                 prepared.info.fallback = Some(Fallback { stage: Stage::Features, reason: reason.clone() });
                 Ok(prepared)
             }
@@ -170,11 +172,11 @@ impl Processor {
                 let gpu = GpuUse { dispatches: done.dispatches, uploads: done.uploads, downloads: done.downloads };
                 Ok(Match { device: DeviceKind::Webgpu, gpu, ..matched? })
             }
-            GpuState::Unused => match_with(self.model, a, b, options, progress).await,
+            GpuState::Unused => match_with(&self.model, a, b, options, progress).await,
             #[cfg(feature = "gpu")]
             GpuState::Gone(reason, _) => {
                 let fallback = Fallback { stage: Stage::FunctionalMap, reason: reason.clone() };
-                let matched = match_with(self.model, a, b, options, progress).await?;
+                let matched = match_with(&self.model, a, b, options, progress).await?;
                 Ok(Match { fallback: Some(fallback), ..matched })
             }
         }
@@ -201,7 +203,7 @@ fn on_cpu(reason: impl Into<String>) -> DeviceInfo {
 #[cfg(not(feature = "gpu"))]
 impl Processor {
     /// The device of choice.
-    pub async fn open(model: &'static Model, choice: DeviceChoice) -> Result<Self, DeviceError> {
+    pub async fn open(model: Arc<Model>, choice: DeviceChoice) -> Result<Self, DeviceError> {
         let cpu = Self::cpu(model);
         match choice {
             DeviceChoice::Cpu => Ok(cpu),
@@ -211,7 +213,7 @@ impl Processor {
     }
 
     /// The device of [`Processor::open`] once more.
-    pub async fn reopen(model: &'static Model, _: DeviceChoice) -> Self {
+    pub async fn reopen(model: Arc<Model>, _: DeviceChoice) -> Self {
         Self::cpu(model)
     }
 }
@@ -219,9 +221,9 @@ impl Processor {
 #[cfg(feature = "gpu")]
 impl Processor {
     /// The device of choice. A GPU is only taken when every kernel agrees with the CPU.
-    pub async fn open(model: &'static Model, choice: DeviceChoice) -> Result<Self, DeviceError> {
+    pub async fn open(model: Arc<Model>, choice: DeviceChoice) -> Result<Self, DeviceError> {
         let Some(options) = options(choice) else { return Ok(Self::cpu(model)) };
-        match (load(model, options, true).await, choice) {
+        match (load(&model, options, true).await, choice) {
             (Ok(on_gpu), _) => {
                 let reason = match (choice, on_gpu.device().info().software) {
                     (DeviceChoice::Auto, _) => "every kernel agrees with the CPU",
@@ -236,9 +238,9 @@ impl Processor {
     }
 
     /// The GPU that [`Processor::open`] gave before, without its test; while there is none the CPU does the work.
-    pub async fn reopen(model: &'static Model, choice: DeviceChoice) -> Self {
+    pub async fn reopen(model: Arc<Model>, choice: DeviceChoice) -> Self {
         let Some(options) = options(choice) else { return Self::cpu(model) };
-        match load(model, options, false).await {
+        match load(&model, options, false).await {
             Ok(on_gpu) => Self { info: on_gpu_because(&on_gpu, "opened anew"), ..Self::with(model, on_gpu, options) },
             Err(reason) => Self {
                 info: on_cpu(reason.clone()),
@@ -248,7 +250,7 @@ impl Processor {
         }
     }
 
-    fn with(model: &'static Model, on_gpu: Model<Gpu>, options: GpuOptions) -> Self {
+    fn with(model: Arc<Model>, on_gpu: Model<Gpu>, options: GpuOptions) -> Self {
         Self { gpu: GpuState::Open(Box::new(on_gpu), options), ..Self::cpu(model) }
     }
 
@@ -273,10 +275,10 @@ impl Processor {
         // Its memory first.
         self.gpu = GpuState::Unused;
         // What was tested once need not be tested again, and the caller waits.
-        match load(self.model, options, false).await {
+        match load(&self.model, options, false).await {
             Ok(on_gpu) => {
                 let info = on_gpu_because(&on_gpu, &format!("opened anew: {lost}"));
-                *self = Self { info, ..Self::with(self.model, on_gpu, options) };
+                *self = Self { info, ..Self::with(self.model.clone(), on_gpu, options) };
             }
             Err(reason) => {
                 self.info = on_cpu(reason.clone());
@@ -303,7 +305,7 @@ async fn load(model: &Model, options: GpuOptions, test: bool) -> Result<Model<Gp
         gpu.self_test().await?;
         gpu.trim(0);
     }
-    Model::on(model.weights().clone(), gpu).map_err(|error| error.to_string())
+    Model::on(model.weights().cloned(), gpu).map_err(|error| error.to_string())
 }
 
 #[cfg(feature = "gpu")]

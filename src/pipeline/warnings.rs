@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use ndarray::{Array2, ArrayView1};
 
 use super::PreparedShape;
-use crate::maps::{Correspondence, OutOfDistribution, UNMATCHED};
-use crate::network::PARTS;
+use super::hypotheses::Home;
+use crate::maps::{Correspondence, UNMATCHED};
+use crate::network::PointEmbedding;
 
 /// Why to doubt a match of geometric descriptors alone.
 pub(crate) const UNTRAINED: &str = "matched without a trained network: where the poses differ, limbs or the whole body may be matched the wrong way round, also at high confidence";
@@ -32,17 +33,19 @@ pub(crate) fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
 }
 
 /// What it means when the pair is unlike those the network was trained on; `without` says that another map than the network's was taken.
-pub(crate) fn verdict(out_of_distribution: OutOfDistribution, without: bool) -> Option<String> {
-    let unsure = match (without, out_of_distribution.is_of_others() || out_of_distribution.is_strange()) {
-        (true, _) => {
-            "unsure: at least one of the scans is not one whole person, and such people are all that the network knows; a map made without it keeps lengths better and was taken; arms, legs or the whole body may be matched the wrong way round"
-        }
-        (false, true) => {
-            "unsure: the pair is unlike those that the network was trained on (whole people): look at the map before you trust it"
-        }
-        _ => return None,
-    };
-    Some(unsure.to_owned())
+pub(crate) fn verdict(home: &Home, without: bool) -> Option<String> {
+    let (category, scores) = (&home.embeddings[0].category, home.scores);
+    match (without, scores.is_of_others() || scores.is_strange()) {
+        (true, _) => Some(format!(
+            "unsure: at least one of the scans is not one whole {}, and such {} are all that the network knows; a map made without it keeps lengths better and was taken; limbs or the whole body may be matched the wrong way round",
+            category.one, category.name
+        )),
+        (false, true) => Some(format!(
+            "unsure: the pair is unlike those that the network was trained on (whole {}): look at the map before you trust it",
+            category.name
+        )),
+        _ => None,
+    }
 }
 
 /// A map that changes lengths more than this, in the median, is no map between two poses of one kind of body.
@@ -74,13 +77,13 @@ const AWAY_POINTS: f64 = 2.0;
 /// Below this probability of being of one part two points are of two.
 const OF_ONE_PART: f32 = 0.05;
 
-/// Landmarks that give reason to doubt themselves: the map, as it is before they are set, takes a point of theirs elsewhere, or it is a map of people
-/// (`predicted` tells) and they join two parts of a person.
+/// Landmarks that give reason to doubt themselves: the map, as it is before they are set, takes a point of theirs elsewhere, or it is a map of bodies that the network
+/// knows (`predicted` tells) and they join two parts.
 pub(crate) fn contradicted(
     landmarks: &[[u32; 2]],
     [a, b]: [&PreparedShape; 2],
     [a_to_b, b_to_a]: [&Correspondence; 2],
-    predicted: Option<[&Array2<f32>; 2]>,
+    predicted: Option<[&PointEmbedding; 2]>,
 ) -> Vec<String> {
     let elsewhere = |to: &PreparedShape, found: u32, wanted: u32| {
         let spacing = AWAY_POINTS / (to.points_used() as f64).sqrt();
@@ -89,7 +92,7 @@ pub(crate) fn contradicted(
     let of_two_parts = |i: u32, j: u32| {
         let Some([of_a, of_b]) = predicted else { return false };
         let (row_a, row_b) = (a.support.row_of(i as usize), b.support.row_of(j as usize));
-        of_a.row(row_a).dot(&of_b.row(row_b)) < OF_ONE_PART
+        of_a.parts.row(row_a).dot(&of_b.parts.row(row_b)) < OF_ONE_PART
     };
     let doubt = |&[i, j]: &[u32; 2]| {
         let why = if elsewhere(b, a_to_b.target[i as usize], j) || elsewhere(a, b_to_a.target[j as usize], i) {
@@ -118,9 +121,10 @@ const ALIKE: f32 = 0.5;
 const SEEN: f32 = 0.005;
 
 /// Says so when given labels name other parts on one body than on the other, by the parts (p, c) that the network predicts at the points with those labels.
-pub(crate) fn labelled_otherwise(labels: [&[u32]; 2], predicted: [&Array2<f32>; 2]) -> Option<String> {
-    let [on_a, on_b] = [0, 1].map(|side| labels_of_parts(labels[side], predicted[side]));
-    let otherwise = PARTS.iter().zip(on_a.iter().zip(&on_b)).filter(|(_, (on_a, on_b))| {
+pub(crate) fn labelled_otherwise(labels: [&[u32]; 2], predicted: [&PointEmbedding; 2]) -> Option<String> {
+    let [on_a, on_b] = [0, 1].map(|side| labels_of_parts(labels[side], &predicted[side].parts));
+    let names = predicted[0].category.part_names();
+    let otherwise = names.iter().zip(on_a.iter().zip(&on_b)).filter(|(_, (on_a, on_b))| {
         let alike = |(label, share): (&u32, &f32)| share.min(*on_b.get(label).unwrap_or(&0.0));
         !on_a.is_empty() && !on_b.is_empty() && on_a.iter().map(alike).sum::<f32>() < ALIKE
     });

@@ -104,7 +104,7 @@ fn begin_anew_unless_same(place: &Path, settings: &Value) -> io::Result<()> {
 fn score(weights: &Weights, run: &RunConfig, pool: &Pool, fold: Fold) -> Result<f64, RunError> {
     let mut rng = ChaCha8Rng::seed_from_u64(fold.held as u64);
     let mut parameters = Parameters::from_weights(weights, rng.clone());
-    let network: Network<Tensor> = Network::new(&weights.config, &mut parameters)?;
+    let network: Network<Tensor> = Network::new(&weights.config, weights.category.parts.len(), &mut parameters)?;
     let held: Vec<usize> = (0..pool.count).filter(|&index| fold.holds(index)).collect();
     let mut sum = 0.0;
     for _ in 0..PAIRS {

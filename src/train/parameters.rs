@@ -11,7 +11,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::device::{matrix, tensor};
-use crate::network::{ModelConfig, Source, Start, Weights, WeightsError};
+use crate::network::{Category, ModelConfig, Source, Start, Weights, WeightsError};
 
 const BETA: [f32; 2] = [0.9, 0.999];
 const EPSILON: f32 = 1e-8;
@@ -46,7 +46,7 @@ impl Parameters {
     }
 
     /// The weights alone, or with the state of the optimiser beside them.
-    pub fn weights(&self, config: &ModelConfig, with_state: bool) -> Weights {
+    pub fn weights(&self, config: &ModelConfig, category: &Category, with_state: bool) -> Weights {
         let mut tensors = BTreeMap::new();
         for (name, parameter) in &self.named {
             tensors.insert(name.clone(), matrix(parameter.var.as_tensor()));
@@ -56,7 +56,7 @@ impl Parameters {
             }
         }
         let about = BTreeMap::from([("steps".to_owned(), self.steps.to_string())]);
-        Weights::new(config.clone(), about, tensors)
+        Weights::new(config.clone(), category.clone(), about, tensors)
     }
 
     /// How many numbers are learned.

@@ -13,10 +13,11 @@ use serde::{Deserialize, Serialize};
 
 use super::atlas::Atlas;
 use super::bodies::held_out::HELD_OUT_SEEDS;
+use super::bodies::parts::people;
 use super::bodies::scan::ScanOptions;
 use super::bodies::{BodyModel, Template};
 use super::sample::Sample;
-use crate::network::{ModelConfig, Position};
+use crate::network::{Category, ModelConfig, Position, WeightsId};
 use crate::operators::LaplacianKind;
 
 /// Vertices of the meshes that are matched to the atlas.
@@ -27,6 +28,8 @@ pub struct Pool {
     folder: PathBuf,
     /// How many there will be.
     pub count: usize,
+    /// The kind of body.
+    pub category: Category,
     /// Why no more are made, once that is so.
     failure: OnceLock<String>,
 }
@@ -34,6 +37,8 @@ pub struct Pool {
 /// What decides how the body of a seed becomes a sample. A folder of samples remembers it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SampleConfig {
+    /// The kind of body.
+    pub category: Category,
     /// Points of a scan, give or take a quarter.
     pub points: usize,
     /// Eigenpairs that the network asks for.
@@ -42,15 +47,16 @@ pub struct SampleConfig {
     pub position: Position,
     /// The operator of every cloud; by default that of matching on most, others on some.
     pub laplacian: Option<LaplacianKind>,
-    /// Name and version of the weights that place points on the atlas, if any do.
+    /// The weights that place points on the atlas, if any do.
     #[serde(default)]
-    pub teacher: Option<serde_json::Value>,
+    pub teacher: Option<WeightsId>,
 }
 
 impl SampleConfig {
     /// For a network, with the operators that ship and no teacher.
     pub fn of(network: &ModelConfig, points: usize) -> Self {
-        Self { points, eigenpairs: network.eigenpairs, position: network.position, laplacian: None, teacher: None }
+        let (eigenpairs, position) = (network.eigenpairs, network.position);
+        Self { category: people(), points, eigenpairs, position, laplacian: None, teacher: None }
     }
 }
 
@@ -79,7 +85,7 @@ impl Pool {
             }
             Err(_) => fs::write(file, serde_json::to_vec_pretty(config)?)?,
         }
-        Ok(Self { folder: folder.to_owned(), count, failure: OnceLock::new() })
+        Ok(Self { folder: folder.to_owned(), count, category: config.category.clone(), failure: OnceLock::new() })
     }
 
     fn path(&self, index: usize) -> PathBuf {

@@ -16,7 +16,7 @@ use super::losses::LossWeights;
 use super::parameters::Parameters;
 use super::pool::Pool;
 use super::step::Forward;
-use crate::network::{ModelConfig, Network, Weights, WeightsError};
+use crate::network::{Category, ModelConfig, Network, Weights, WeightsError};
 
 /// Everything that decides the outcome of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -192,7 +192,7 @@ pub fn train(
     let mut parameters = match (saved, start) {
         (Some(bytes), _) => {
             let saved = Weights::from_bytes(&bytes)?;
-            if saved.config != *config {
+            if saved.config != *config || saved.category != pool.category {
                 return Err(WeightsError(format!("{} is of another network", state.display())).into());
             }
             Parameters::from_weights(&saved, rng)
@@ -204,7 +204,7 @@ pub fn train(
         }
         (None, None) => Parameters::new(rng),
     };
-    let network = Network::new(config, &mut parameters)?;
+    let network = Network::new(config, pool.category.parts.len(), &mut parameters)?;
     println!("{} parameters, at step {} of {}", parameters.count(), parameters.steps, run.steps);
 
     let began = Instant::now();
@@ -256,15 +256,15 @@ pub fn train(
         }
         let over = clock > seconds;
         if step % CHECKPOINT == 0 || over {
-            save(&state, &parameters.weights(config, true).to_bytes(false)?)?;
-            finished(&parameters, config, run, folder)?;
+            save(&state, &parameters.weights(config, &pool.category, true).to_bytes(false)?)?;
+            finished(&parameters, config, &pool.category, run, folder)?;
         }
         if over {
             return Ok(step == run.steps);
         }
     }
-    save(&state, &parameters.weights(config, true).to_bytes(false)?)?;
-    finished(&parameters, config, run, folder)?;
+    save(&state, &parameters.weights(config, &pool.category, true).to_bytes(false)?)?;
+    finished(&parameters, config, &pool.category, run, folder)?;
     Ok(true)
 }
 
@@ -279,8 +279,14 @@ fn drawn(bodies: usize, fold: Option<Fold>, rng: &mut ChaCha8Rng) -> usize {
 }
 
 /// Writes the weights as they ship.
-fn finished(parameters: &Parameters, config: &ModelConfig, run: &RunConfig, folder: &Path) -> Result<(), RunError> {
-    let mut weights = parameters.weights(config, false);
+fn finished(
+    parameters: &Parameters,
+    config: &ModelConfig,
+    category: &Category,
+    run: &RunConfig,
+    folder: &Path,
+) -> Result<(), RunError> {
+    let mut weights = parameters.weights(config, category, false);
     weights.about.extend([("name".to_owned(), run.name.clone()), ("version".to_owned(), run.version.clone())]);
     Ok(save(&folder.join("weights.safetensors"), &weights.to_bytes(true)?)?)
 }

@@ -23,7 +23,7 @@ use crate::shape::Shape;
 pub struct Sample {
     /// What the network sees.
     pub inputs: ShapeInputs,
-    /// Part of each point, an index into [`crate::PARTS`].
+    /// Part of each point, a part of the category.
     pub labels: Vec<u32>,
     /// Where a teacher says that each point lies on the atlas (n, 3), in √area; see [`super::atlas`].
     pub places: Option<Array2<f32>>,

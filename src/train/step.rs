@@ -11,7 +11,6 @@ use super::run::RunConfig;
 use super::sample::Sample;
 use crate::device::{Cpu, Device};
 use crate::network::Network;
-use crate::network::PARTS;
 
 /// Key points that attention looks at in training.
 const KEYS: usize = 512;
@@ -38,7 +37,7 @@ impl Forward {
         let device = Autodiff;
         let on = pair.map(|sample| sample.inputs.upload(&device));
         let [a, b] = [0, 1].map(|side: usize| network.embed(&device, &on[side]));
-        let labels = pair.map(|sample| tensor(one_hot(&sample.labels, PARTS.len()).view()));
+        let labels = pair.map(|sample| tensor(one_hot(&sample.labels, a.logits.dims()[1]).view()));
         let masks = [mask(&run.losses, &a.logits, &labels[0]), mask(&run.losses, &b.logits, &labels[1])];
         let keys = [&a, &b].into_iter().zip(&masks).map(|(e, p)| {
             let n = p.dims()[0];

@@ -111,7 +111,8 @@ pub(super) fn match_to_js(matched: &Match, peak_memory_bytes: f64) -> Result<JsV
         "peakMemoryBytes": peak_memory_bytes,
         "gpu": matched.gpu,
         "warnings": matched.warnings,
-        "weights": matched.weights,
+        "weights": matched.weights.as_ref().map(|id| json!({ "name": id.name, "version": id.version })),
+        "category": matched.category,
     });
     object([target, confidence, map, ("reverse", reverse), ("report", plain(&report))])
 }

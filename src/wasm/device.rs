@@ -1,11 +1,14 @@
 //! The device and what runs on it. On the CPU nothing waits, and calls that return at once keep a trap where it can be caught; a GPU has to be waited for.
 
-use js_sys::Function;
+use std::sync::Arc;
+
+use js_sys::{Array, Function, Uint8Array};
 use wasm_bindgen::prelude::*;
 
 use super::convert::{match_to_js, options, plain, throw};
 use super::{RawShape, memory_bytes, tell};
-use crate::network::Model;
+use crate::device::Cpu;
+use crate::network::{Model, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::Processor;
 use crate::pipeline::{MatchOptions, PrepareOptions};
@@ -20,15 +23,22 @@ pub struct Device {
 }
 
 /// Opens `'auto'`, `'cpu'` or `'webgpu'`, which fails without one. `again` opens the kind of device that was opened and tested before: where there is none
-/// now the CPU does its work.
+/// now the CPU does its work. `weights` are files (`Uint8Array`s) in place of those that ship.
 #[wasm_bindgen]
-pub async fn open_device(choice: JsValue, again: bool) -> Result<Device, JsValue> {
-    let (model, choice) = (Model::embedded(), options(&choice)?);
+pub async fn open_device(choice: JsValue, again: bool, weights: Option<Array>) -> Result<Device, JsValue> {
+    let (model, choice) = (weights.map_or_else(|| Ok(Model::embedded().clone()), own_model)?, options(&choice)?);
     let processor = match again {
         true => Processor::reopen(model, choice).await,
         false => Processor::open(model, choice).await.map_err(|e| throw(e.into()))?,
     };
     Ok(Device { processor, lose_at: None })
+}
+
+/// Networks from files of weights.
+fn own_model(files: Array) -> Result<Arc<Model>, JsValue> {
+    let weights = files.iter().map(|file| Weights::from_bytes(&Uint8Array::new(&file).to_vec()).map(Arc::new));
+    let model = weights.collect::<Result<Vec<_>, _>>().and_then(|weights| Model::on(weights, Cpu));
+    Ok(Arc::new(model.map_err(|e| throw(e.into()))?))
 }
 
 #[wasm_bindgen]

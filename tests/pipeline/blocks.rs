@@ -26,8 +26,11 @@ fn parts_in_a_block_are_as_given_or_else_the_likeliest_for_the_network() {
         let (_, header) = SafeTensors::read_metadata(&bytes).expect("a header");
         let likeliest =
             SafeTensors::deserialize(&bytes).expect("tensors").tensor("partLabels").expect("parts").data().to_vec();
-        let probabilities = &shape.embedding.as_ref().expect("an embedding").parts;
-        assert_eq!((likeliest.len(), probabilities.ncols()), (shape.points_used(), PARTS.len()));
+        let probabilities = &shape.embeddings[0].parts;
+        assert_eq!(
+            (likeliest.len(), probabilities.ncols()),
+            (shape.points_used(), shape.embeddings[0].category.parts.len())
+        );
         for (&part, row) in likeliest.iter().zip(probabilities.rows()) {
             assert!(row.iter().all(|&p| p <= row[part as usize]) && (row.sum() - 1.0).abs() < 1e-5, "{part} of {row}");
         }
@@ -39,8 +42,10 @@ fn parts_in_a_block_are_as_given_or_else_the_likeliest_for_the_network() {
     for labels in [None, Some((0..163).map(|i| 1000 * i).collect())] {
         numbered.shape =
             Shape::new(SMALL.shape.points().to_vec(), SMALL.shape.faces().to_vec(), labels).expect("valid");
-        let groups = serde_json::json!({ "names": GROUPS, "of": GROUP_OF_PART });
-        let predicted = serde_json::json!({ "names": PARTS, "source": "predicted", "groups": groups });
+        let category = numbered.category().expect("a category");
+        let of: Vec<usize> = category.parts.iter().map(|part| part.group).collect();
+        let groups = serde_json::json!({ "names": category.groups, "of": of });
+        let predicted = serde_json::json!({ "names": category.part_names(), "source": "predicted", "groups": groups });
         assert_eq!(parts_of(&numbered), predicted);
     }
 }

@@ -98,10 +98,10 @@ fn thirty_identical_pieces_prepare_and_match() {
 fn only_a_match_without_weights_warns_that_it_had_none() {
     let untrained = |found: &Match| found.warnings.iter().any(|w| w.starts_with("matched without a trained network"));
     let with = matched(&SMALL, &SMALL);
-    assert!(!untrained(&with) && with.weights["name"].is_string() && with.weights["version"].is_string());
-    let bare = PreparedShape { embedding: None, ..SMALL.clone() };
+    assert!(!untrained(&with) && with.weights.is_some());
+    let bare = PreparedShape { embeddings: Vec::new(), ..SMALL.clone() };
     let without = matched(&bare, &SMALL);
-    assert!(untrained(&without) && without.weights.is_null());
+    assert!(untrained(&without) && without.weights.is_none());
 }
 
 #[test]
