@@ -75,8 +75,8 @@ pub use operators::{
 };
 pub use pipeline::{
     BlockError, DeviceChoice, DeviceError, DeviceInfo, DeviceKind, Error, FaceUse, GpuUse, Info, Match, MatchOptions,
-    OptionError, Parts, PrepareOptions, PreparedShape, Processor, ShapeKind, match_shapes, match_with, prepare,
-    prepare_with,
+    OptionError, Parts, PrepareOptions, PreparedShape, Processor, ShapeKind, Warning, match_shapes, match_with,
+    prepare, prepare_with,
 };
 pub use progress::{Cancelled, Progress, Stage};
 pub use read::{Format, ReadError, read};

@@ -3,13 +3,18 @@
 mod shapes;
 
 use geose_fmap::{
-    Correspondence, LaplacianKind, MatchOptions, PARTS, PrepareOptions, PreparedShape, Progress, Shape, Stage,
-    match_shapes, prepare,
+    Correspondence, LaplacianKind, MatchOptions, PrepareOptions, PreparedShape, Progress, Shape, Stage, match_shapes,
+    prepare,
 };
 use shapes::{body, distance, prepared};
 
 fn part(name: &str) -> u32 {
-    PARTS.iter().position(|part| *part == name).expect("a part") as u32
+    geose_fmap::Model::embedded().networks()[0]
+        .category()
+        .part_names()
+        .iter()
+        .position(|part| *part == name)
+        .expect("a part") as u32
 }
 
 /// A standing man as a cloud, every second point.

@@ -112,7 +112,10 @@ fn json_has_the_fields_of_the_page_and_says_what_csv_says() {
     // As www/src/exports/map-table.ts writes them.
     assert_eq!(keys(&json), set(&["a", "b", "match", "map"]));
     assert_eq!(keys(&json["a"]), set(&["name", "points", "kind", "prepared"]));
-    assert_eq!(keys(&json["match"]), set(&["refine", "parts", "landmarks", "device", "weights", "warnings"]));
+    assert_eq!(
+        keys(&json["match"]),
+        set(&["refine", "parts", "landmarks", "device", "weights", "category", "warnings"])
+    );
     assert_eq!(keys(&json["map"][0]), set(&["source", "target", "confidence"]));
     assert_eq!((&json["a"]["name"], &json["b"]["kind"]), (&"a.off".into(), &"mesh".into()));
     assert_eq!((&json["a"]["points"], &json["a"]["prepared"]["eigenpairs"]), (&602.into(), &20.into()));

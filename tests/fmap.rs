@@ -365,5 +365,5 @@ fn bases_of_different_size_use_the_smaller_and_say_so() {
     });
     let found = matched(&few, &more, &MatchOptions::default());
     assert_eq!((found.c_ab.matrix.dim(), found.c_ba.matrix.dim()), ((20, 20), (20, 20)));
-    assert!(found.warnings.iter().any(|w| w.contains("20 and 40")), "{:?}", found.warnings);
+    assert!(found.warnings.iter().any(|w| w.message.contains("20 and 40")), "{:?}", found.warnings);
 }

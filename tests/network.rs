@@ -4,7 +4,8 @@
 mod shapes;
 
 use geose_fmap::{
-    MatchOptions, Model, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Weights, match_shapes,
+    MatchOptions, Model, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Warning, Weights,
+    match_shapes,
 };
 
 use shapes::{body, prepared, soup, torus, turn};
@@ -23,7 +24,7 @@ fn labels(shape: &Shape) -> Vec<u32> {
     shape.labels().expect("samples have labels").to_vec()
 }
 
-fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
+fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<Warning> {
     let matched = match_shapes(a, b, &MatchOptions::default(), &mut Progress::silent()).expect("matched");
     matched.warnings
 }
@@ -72,7 +73,7 @@ fn the_report_is_unsure_of_what_the_network_does_not_know_and_only_of_that() {
     let woman = prepared(body("woman-standing.ply"), &options());
     let man = prepared(body("man-lunging.ply").without_faces(), &options());
     let ring = prepared(torus(1.0, 0.35, 60, 30).cloud().shape(), &options());
-    let unsure = |warnings: Vec<String>| warnings.iter().any(|warning| warning.starts_with("unsure"));
+    let unsure = |warnings: Vec<Warning>| warnings.iter().any(|warning| warning.message.starts_with("unsure"));
     assert!(!unsure(warnings(&woman, &man)));
     assert!(unsure(warnings(&woman, &ring)) && unsure(warnings(&ring, &ring)));
 }

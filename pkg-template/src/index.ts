@@ -2,9 +2,9 @@ export { GeoSeError, type ErrorCode, type ErrorDetails } from './error.js';
 export { Matcher } from './matcher.js';
 export type {
   ArrayInput,
+  BytesInput,
   CallOptions,
   FileFormat,
-  BytesInput,
   FileInput,
   LaplacianOptions,
   MatcherOptions,
@@ -38,4 +38,5 @@ export {
   type SpectrumReport,
   type Stage,
   type StageSeconds,
+  type Warning,
 } from './results.js';

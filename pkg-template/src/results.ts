@@ -17,6 +17,14 @@ export type Stage = (typeof STAGES)[number];
 /** Seconds spent per stage; stages that did not run are absent. */
 export type StageSeconds = Readonly<Partial<Record<Stage, number>>>;
 
+/** Something to know before trusting a match. */
+export interface Warning {
+  /** Stable name: `'out-of-distribution'`, `'several-pieces'`, … */
+  readonly code: string;
+  /** A sentence for a person. */
+  readonly message: string;
+}
+
 /** What a point of `targetOf` holds when it has no partner. */
 export const UNMATCHED = 0xffffffff;
 
@@ -182,8 +190,8 @@ export interface MatchReport {
   /** Largest size of the wasm memory so far, in bytes. */
   peakMemoryBytes: number;
   gpu: { dispatches: number; uploads: number; downloads: number };
-  /** Sentences for a person. */
-  warnings: string[];
+  /** What to know before trusting it. */
+  warnings: Warning[];
   /** The kind of body that the pair is taken to be of, such as `'people'`; null where no network is at home with it. */
   category: string | null;
   /** The weights of the network that took part; null when none did. */

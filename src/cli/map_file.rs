@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::colour::correspondence_colours;
 use super::{Failure, write};
 use crate::write::{Body, LinearRgb, glb, ply};
-use crate::{DeviceKind, Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED, WeightsId};
+use crate::{DeviceKind, Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED, Warning, WeightsId};
 
 /// Says before the work that the folder of `file` is none.
 pub(super) fn check_folder(file: &Path) -> Result<(), Failure> {
@@ -136,7 +136,7 @@ struct How<'a> {
     device: DeviceKind,
     weights: Option<Named<'a>>,
     category: Option<&'a str>,
-    warnings: &'a [String],
+    warnings: &'a [Warning],
 }
 
 #[derive(Serialize)]

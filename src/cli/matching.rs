@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("{stage}: {:.3} s", matched.seconds.get(stage).copied().unwrap_or_default());
     }
     for warning in &matched.warnings {
-        eprintln!("note: {warning}");
+        eprintln!("note: {}", warning.message);
     }
     Ok(())
 }

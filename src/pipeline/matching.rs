@@ -6,7 +6,7 @@ use ndarray::Array2;
 
 use super::given::{labels_used, landmarks, parts_in_common, shared_labels, side_by_side};
 use super::hypotheses::{BestMaps, Pair, best_maps};
-use super::warnings::{UNTRAINED, contradicted, doubts, labelled_otherwise, verdict, warnings};
+use super::warnings::{Warning, contradicted, labelled_otherwise, of_map, of_shapes, verdict, without_network};
 use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
 use crate::confidence::{Cues, stretch};
 use crate::device::{Device, Fallback, Interrupted};
@@ -34,7 +34,7 @@ pub struct Match {
     /// Points of A and B that took part.
     pub points_used: [usize; 2],
     /// What a user should know before trusting the result.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// The weights that took part; nothing when none did.
     pub weights: Option<WeightsId>,
     /// Name of the category that the pair is taken to be of; nothing where no network is at home with it.
@@ -109,13 +109,13 @@ pub(crate) async fn match_with_cues<D: Device>(
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
         Err(Interrupted::Failed(_)) => unreachable!("the CPU does not fail"),
     };
-    let untrained = home.is_none().then(|| UNTRAINED.to_owned());
-    let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
+    let untrained = home.is_none().then(without_network);
+    let mut warnings: Vec<Warning> = untrained.into_iter().chain(of_shapes(a, b)).collect();
     warnings.extend(home.as_ref().and_then(|home| verdict(home, !by_network)));
     let predicted = home.as_ref().filter(|home| !home.scores.is_of_others()).map(|home| home.embeddings);
     warnings
         .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));
-    warnings.extend(doubts(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
+    warnings.extend(of_map(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
     let (mut a_to_b, mut b_to_a) = (
         lift(&a_to_b, a.sampled(), b.sampled(), labels),
         lift(&b_to_a, b.sampled(), a.sampled(), labels.map(|(of_a, of_b)| (of_b, of_a))),

@@ -22,3 +22,4 @@ pub(crate) use prepare::{network_inputs, prepare_with_shape};
 pub use prepare::{prepare, prepare_with};
 pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
 pub use processor::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse, Processor};
+pub use warnings::Warning;

@@ -3,47 +3,75 @@
 use std::collections::BTreeMap;
 
 use ndarray::{Array2, ArrayView1};
+use serde::{Deserialize, Serialize};
 
 use super::PreparedShape;
 use super::hypotheses::Home;
 use crate::maps::{Correspondence, UNMATCHED};
 use crate::network::PointEmbedding;
 
-/// Why to doubt a match of geometric descriptors alone.
-pub(crate) const UNTRAINED: &str = "matched without a trained network: where the poses differ, limbs or the whole body may be matched the wrong way round, also at high confidence";
+/// Something to know before trusting a match.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Warning {
+    /// Stable name: `"out-of-distribution"`, `"several-pieces"`, …
+    pub code: String,
+    /// A sentence for a person.
+    pub message: String,
+}
 
-/// What the shapes themselves give reason to doubt.
-pub(crate) fn warnings(a: &PreparedShape, b: &PreparedShape) -> Vec<String> {
+impl Warning {
+    fn new(code: &str, message: impl Into<String>) -> Self {
+        Self { code: code.to_owned(), message: message.into() }
+    }
+}
+
+/// Of a match of geometric descriptors alone.
+pub(crate) fn without_network() -> Warning {
+    let message = "matched without a trained network: where the poses differ, limbs or the whole body may be matched the wrong way round, also at high confidence";
+    Warning::new("no-network", message)
+}
+
+/// What the shapes themselves give reason to say.
+pub(crate) fn of_shapes(a: &PreparedShape, b: &PreparedShape) -> Vec<Warning> {
     let mut warnings = Vec::new();
     for (scan, shape) in [("A", a), ("B", b)] {
         if shape.info.pieces > 1 {
-            let pieces = shape.info.pieces;
-            warnings.push(format!(
-                "scan {scan} is in {pieces} pieces; how they hang together is not known: a floor or a second body among them should be cut off"
-            ));
+            let message = format!(
+                "scan {scan} is in {} pieces; how they hang together is not known: a floor or a second body among them should be cut off",
+                shape.info.pieces
+            );
+            warnings.push(Warning::new("several-pieces", message));
         }
     }
     if a.info.eigenpairs != b.info.eigenpairs {
-        warnings.push(format!(
+        let message = format!(
             "the scans have {} and {} eigenpairs; the smaller number is used",
             a.info.eigenpairs, b.info.eigenpairs
-        ));
+        );
+        warnings.push(Warning::new("eigenpairs-differ", message));
     }
     warnings
 }
 
-/// What it means when the pair is unlike those the network was trained on; `without` says that another map than the network's was taken.
-pub(crate) fn verdict(home: &Home, without: bool) -> Option<String> {
+/// When the pair is unlike those the network was trained on; `without` says that another map than the network's was taken.
+pub(crate) fn verdict(home: &Home, without: bool) -> Option<Warning> {
     let (category, scores) = (&home.embeddings[0].category, home.scores);
     match (without, scores.is_of_others() || scores.is_strange()) {
-        (true, _) => Some(format!(
-            "unsure: at least one of the scans is not one whole {}, and such {} are all that the network knows; a map made without it keeps lengths better and was taken; limbs or the whole body may be matched the wrong way round",
-            category.one, category.name
-        )),
-        (false, true) => Some(format!(
-            "unsure: the pair is unlike those that the network was trained on (whole {}): look at the map before you trust it",
-            category.name
-        )),
+        (true, _) => {
+            let message = format!(
+                "unsure: at least one of the scans is not one whole {}, and such {} are all that the network knows; a map made without it keeps lengths better and was taken; limbs or the whole body may be matched the wrong way round",
+                category.one, category.name
+            );
+            Some(Warning::new("other-category", message))
+        }
+        (false, true) => {
+            let message = format!(
+                "unsure: the pair is unlike those that the network was trained on (whole {}): look at the map before you trust it",
+                category.name
+            );
+            Some(Warning::new("out-of-distribution", message))
+        }
         _ => None,
     }
 }
@@ -53,20 +81,20 @@ const STRETCHED: f64 = 1.2;
 /// Median confidence below which most points are more likely wrong than right.
 const UNSURE: f32 = 0.5;
 
-/// What the map gives reason to doubt.
-pub(crate) fn doubts(stretch: f64, confidence: &[f32]) -> Vec<String> {
-    let mut doubts = Vec::new();
+/// What the map gives reason to say.
+pub(crate) fn of_map(stretch: f64, confidence: &[f32]) -> Vec<Warning> {
+    let mut warnings = Vec::new();
     if stretch > STRETCHED {
-        doubts.push(format!(
+        let message = format!(
             "the map changes lengths by a factor of {stretch:.1} in the median: the scans may show different kinds of bodies, or one of them only a part, or be noisy"
-        ));
+        );
+        warnings.push(Warning::new("lengths-changed", message));
     }
     if median(confidence).is_some_and(|median| median < UNSURE) {
-        doubts.push(
-            "most points are more likely matched wrongly than rightly: the map is hardly to be trusted".to_owned(),
-        );
+        let message = "most points are more likely matched wrongly than rightly: the map is hardly to be trusted";
+        warnings.push(Warning::new("low-confidence", message));
     }
-    doubts
+    warnings
 }
 
 /// A map that takes the point of a landmark farther than this from its partner, in √area of the other body, goes elsewhere. Of 30 pairs of held-out people
@@ -77,14 +105,14 @@ const AWAY_POINTS: f64 = 2.0;
 /// Below this probability of being of one part two points are of two.
 const OF_ONE_PART: f32 = 0.05;
 
-/// Landmarks that give reason to doubt themselves: the map, as it is before they are set, takes a point of theirs elsewhere, or it is a map of bodies that the network
+/// Landmarks that are contradicted: the map, as it is before they are set, takes a point of theirs elsewhere, or it is a map of bodies that the network
 /// knows (`predicted` tells) and they join two parts.
 pub(crate) fn contradicted(
     landmarks: &[[u32; 2]],
     [a, b]: [&PreparedShape; 2],
     [a_to_b, b_to_a]: [&Correspondence; 2],
     predicted: Option<[&PointEmbedding; 2]>,
-) -> Vec<String> {
+) -> Vec<Warning> {
     let elsewhere = |to: &PreparedShape, found: u32, wanted: u32| {
         let spacing = AWAY_POINTS / (to.points_used() as f64).sqrt();
         found != UNMATCHED && apart(to.shape.points(), found, wanted) > AWAY.max(spacing) * to.info.scale
@@ -102,9 +130,10 @@ pub(crate) fn contradicted(
         } else {
             return None;
         };
-        Some(format!(
+        let message = format!(
             "a landmark joins point {i} of A with point {j} of B, but {why}: check the two; where they are right, name more points nearby"
-        ))
+        );
+        Some(Warning::new("landmark-contradicted", message))
     };
     landmarks.iter().filter_map(doubt).collect()
 }
@@ -121,7 +150,7 @@ const ALIKE: f32 = 0.5;
 const SEEN: f32 = 0.005;
 
 /// Says so when given labels name other parts on one body than on the other, by the parts (p, c) that the network predicts at the points with those labels.
-pub(crate) fn labelled_otherwise(labels: [&[u32]; 2], predicted: [&PointEmbedding; 2]) -> Option<String> {
+pub(crate) fn labelled_otherwise(labels: [&[u32]; 2], predicted: [&PointEmbedding; 2]) -> Option<Warning> {
     let [on_a, on_b] = [0, 1].map(|side| labels_of_parts(labels[side], &predicted[side].parts));
     let names = predicted[0].category.part_names();
     let otherwise = names.iter().zip(on_a.iter().zip(&on_b)).filter(|(_, (on_a, on_b))| {
@@ -130,10 +159,11 @@ pub(crate) fn labelled_otherwise(labels: [&[u32]; 2], predicted: [&PointEmbeddin
     });
     let names: Vec<&str> = otherwise.map(|(name, _)| *name).collect();
     (!names.is_empty()).then(|| {
-        format!(
+        let message = format!(
             "are both scans labelled alike? As far as the network can tell, these parts have other labels on A than on B: {}",
             names.join(", ")
-        )
+        );
+        Warning::new("labels-differ", message)
     })
 }
 

@@ -4,7 +4,7 @@ use super::*;
 
 /// Whether a warning of the match has these words.
 fn warns(found: &Match, words: &str) -> bool {
-    found.warnings.iter().any(|warning| warning.contains(words))
+    found.warnings.iter().any(|warning| warning.message.contains(words))
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn landmarks_that_the_map_contradicts_are_named() {
     let [head, left, right, foot] = ["head", "left hand", "right hand", "left foot"].map(surest);
     let named = |landmarks: Vec<[u32; 2]>| -> Vec<String> {
         let found = matched_with(&a, &b, &MatchOptions { landmarks, ..Default::default() }).expect("a match");
-        found.warnings.into_iter().filter(|warning| warning.contains("a landmark joins")).collect()
+        found.warnings.into_iter().filter(|w| w.code == "landmark-contradicted").map(|w| w.message).collect()
     };
     assert_eq!(named(vec![head, left, right, foot]), Vec::<String>::new());
     let told = named(vec![left, [head[0], foot[1]]]);

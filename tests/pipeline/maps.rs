@@ -96,7 +96,7 @@ fn thirty_identical_pieces_prepare_and_match() {
 
 #[test]
 fn only_a_match_without_weights_warns_that_it_had_none() {
-    let untrained = |found: &Match| found.warnings.iter().any(|w| w.starts_with("matched without a trained network"));
+    let untrained = |found: &Match| found.warnings.iter().any(|w| w.code == "no-network");
     let with = matched(&SMALL, &SMALL);
     assert!(!untrained(&with) && with.weights.is_some());
     let bare = PreparedShape { embeddings: Vec::new(), ..SMALL.clone() };

@@ -49,7 +49,7 @@ fn vertices_without_faces_and_several_pieces_still_have_targets() {
         assert_match(name, other, &whole);
         assert_match(name, other, other);
     }
-    assert!(matched(&whole, &pieces).warnings.iter().any(|w| w.contains("2 pieces")));
+    assert!(matched(&whole, &pieces).warnings.iter().any(|w| w.message.contains("2 pieces")));
     // Nothing is ever matched onto a vertex that is not part of the surface.
     let onto_strays = matched(&whole, &stray).a_to_b.target;
     assert!(onto_strays.iter().all(|&t| t != 0 && t <= whole.shape.points().len() as u32));

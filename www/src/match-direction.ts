@@ -1,4 +1,4 @@
-import { UNMATCHED, type DirectedMap, type Match } from 'geose-fmap';
+import { UNMATCHED, type DirectedMap, type Match, type Warning } from 'geose-fmap';
 import type { Side } from './side';
 
 /** The half of a match that starts on `side`: the match itself from A, its reverse from B. */
@@ -21,8 +21,11 @@ export function reversed(match: Match): Match {
   };
 }
 
-/** A sentence about the scans A and B, which nothing else in it is called, about B and A. */
-const exchanged = (sentence: string): string => sentence.replace(/\b[AB]\b/g, (scan) => (scan === 'A' ? 'B' : 'A'));
+/** A warning about the scans A and B, which nothing else in its sentence is called, about B and A. */
+const exchanged = ({ code, message }: Warning): Warning => ({
+  code,
+  message: message.replace(/\b[AB]\b/g, (scan) => (scan === 'A' ? 'B' : 'A')),
+});
 
 /** How many points of A found a partner. */
 export const matchedCount = (match: Match): number => match.targetOf.reduce((count, target) => count + (target === UNMATCHED ? 0 : 1), 0);

@@ -284,7 +284,7 @@ test('how sure the match is stands in sentences, its warnings with it', async ()
   const shown = await page.locator('#certainty .warnings li').allTextContents();
   assert.deepEqual(
     shown.map((each) => each.toLowerCase().replace(/\.$/, '')),
-    warnings.map((each) => each.toLowerCase().replace(/\.$/, '')),
+    warnings.map(({ message }) => message.toLowerCase().replace(/\.$/, '')),
   );
 });
 

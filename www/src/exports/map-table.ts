@@ -18,11 +18,11 @@ export function mapAsJson({ match, choices, landmarks }: Result, a: Scan, b: Sca
     kind: shape.info.kind,
     prepared,
   });
-  const { device, warnings, weights } = match.report;
+  const { device, category, warnings, weights } = match.report;
   const map = Array.from(match.targetOf, (target, source) => ({
     source,
     target: target === UNMATCHED ? null : target,
     confidence: match.confidence[source],
   }));
-  return JSON.stringify({ a: scan(a), b: scan(b), match: { ...choices, landmarks, device, weights, warnings }, map });
+  return JSON.stringify({ a: scan(a), b: scan(b), match: { ...choices, landmarks, device, weights, category, warnings }, map });
 }

@@ -43,6 +43,6 @@ function warningPart({ result }: AppState): Node[] {
   const warnings = result?.match.report.warnings ?? [];
   if (warnings.length === 0) return [];
   const list = create('ul', { className: 'warnings' });
-  list.append(...warnings.map((warning) => create('li', { textContent: asSentence(warning) })));
+  list.append(...warnings.map(({ message }) => create('li', { textContent: asSentence(message) })));
   return [list];
 }
