@@ -44,13 +44,13 @@ mod graph;
 mod lifting;
 mod maps;
 mod network;
-mod operators;
+pub mod operators;
 mod pipeline;
 mod progress;
 mod read;
 mod registration;
 mod shape;
-mod spectrum;
+pub mod spectrum;
 #[cfg(feature = "train")]
 pub mod train;
 mod uses;
@@ -75,10 +75,10 @@ pub use operators::{
 };
 pub use pipeline::{
     BlockError, DeviceChoice, DeviceError, DeviceInfo, DeviceKind, Error, FaceUse, GpuUse, Info, Match, MatchOptions,
-    OptionError, Parts, PrepareOptions, PreparedShape, Processor, ShapeKind, Warning, match_shapes, match_with,
-    prepare, prepare_with,
+    Matcher, OptionError, Parts, PrepareOptions, PreparedShape, Processor, Result, ShapeKind, Warning, match_shapes,
+    match_with, prepare, prepare_with,
 };
-pub use progress::{Cancelled, Progress, Stage};
+pub use progress::{Cancelled, Listener, Progress, Stage};
 pub use read::{Format, ReadError, read};
 pub use registration::Refinement;
 pub use shape::{Axis, Repair, Shape, ShapeError};

@@ -1,6 +1,8 @@
 //! Named stages and the callback that hears of them.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use web_time::Instant;
@@ -62,6 +64,11 @@ impl<'a> Progress<'a> {
         Self { listener: Box::new(listener), seconds: BTreeMap::new(), running: None }
     }
 
+    /// A listener for options.
+    pub fn listener(callback: impl Fn(Stage, f64) -> bool + Send + Sync + 'static) -> Listener {
+        Listener(Some(Arc::new(callback)))
+    }
+
     /// Reports to nobody and never stops.
     pub fn silent() -> Self {
         Self::new(|_, _| true)
@@ -90,6 +97,37 @@ impl<'a> Progress<'a> {
             self.add_seconds(stage, (now - since).as_secs_f64());
         }
         self.running = next.map(|stage| (stage, now));
+    }
+}
+
+/// A callback that travels in options: hears of every stage with its finished fraction, and stops the call by returning `false`.
+#[derive(Clone, Default)]
+pub struct Listener(Option<Arc<Callback>>);
+
+type Callback = dyn Fn(Stage, f64) -> bool + Send + Sync;
+
+impl Listener {
+    /// Told through this.
+    pub(crate) fn progress(&self) -> Progress<'_> {
+        match &self.0 {
+            Some(callback) => Progress::new(|stage, fraction| callback(stage, fraction)),
+            None => Progress::silent(),
+        }
+    }
+}
+
+impl fmt::Debug for Listener {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.is_some() { "Listener" } else { "no listener" })
+    }
+}
+
+impl PartialEq for Listener {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(another)) => Arc::ptr_eq(one, another),
+            (one, another) => one.is_none() && another.is_none(),
+        }
     }
 }
 

@@ -72,6 +72,10 @@ fn rooms_used(text: &str) -> Vec<String> {
                         ':' if depth == 1 => heads = false,
                         _ => {}
                     }
+                    if heads && depth == 1 && c.is_whitespace() && !name.is_empty() {
+                        // What follows is `as` and another name.
+                        heads = false;
+                    }
                     if heads && depth == 1 && is_name(c) {
                         name.push(c);
                     } else if !name.is_empty() {
@@ -121,5 +125,5 @@ fn an_arrow_upwards_is_found_however_it_is_written() {
     );
     assert_eq!(arrows_up("maps", "use crate::Model;"), ["Model"], "the root is above everything");
     assert_eq!(arrows_up("elsewhere", ""), ["elsewhere is on no floor"]);
-    assert!(arrows_up("pipeline", "use crate::{graph::components, maps};").is_empty());
+    assert!(arrows_up("pipeline", "use crate::{graph::components, maps as spectra};").is_empty());
 }

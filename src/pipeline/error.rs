@@ -10,6 +10,9 @@ use crate::read::ReadError;
 use crate::shape::ShapeError;
 use crate::spectrum::SpectrumError;
 
+/// What calls give, or why they could not.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
 /// Why a call could not give a result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -5,6 +5,7 @@ mod error;
 mod geometry;
 mod given;
 mod hypotheses;
+mod matcher;
 mod matching;
 mod options;
 mod prepare;
@@ -12,7 +13,8 @@ mod prepared;
 mod processor;
 mod warnings;
 
-pub use error::Error;
+pub use error::{Error, Result};
+pub use matcher::Matcher;
 #[cfg(feature = "train")]
 pub(crate) use matching::match_with_cues;
 pub use matching::{Match, match_shapes, match_with};

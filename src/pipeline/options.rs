@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use crate::network::WeightsId;
 use crate::operators::LaplacianKind;
+use crate::progress::Listener;
 use crate::registration::Refinement;
 use crate::shape::Axis;
 
@@ -23,11 +24,25 @@ pub struct PrepareOptions {
     pub eigenpairs: usize,
     /// The axis that points up, where it is known; only shown so far, since matching does not depend on it.
     pub up: Option<Axis>,
+    /// What the scan is called, such as its file's name; [`Info::name`](super::Info) repeats it.
+    #[serde(skip)]
+    pub name: Option<String>,
+    /// Hears of progress and may stop the call.
+    #[serde(skip)]
+    pub progress: Listener,
 }
 
 impl Default for PrepareOptions {
     fn default() -> Self {
-        Self { points: 5000, faces: FaceUse::Use, laplacian: None, eigenpairs: 120, up: None }
+        Self {
+            points: 5000,
+            faces: FaceUse::Use,
+            laplacian: None,
+            eigenpairs: 120,
+            up: None,
+            name: None,
+            progress: Listener::default(),
+        }
     }
 }
 
@@ -65,6 +80,9 @@ pub struct MatchOptions {
     pub refine: Refinement,
     /// Pairs (uploaded index on A, uploaded index on B) known to correspond.
     pub landmarks: Vec<[u32; 2]>,
+    /// Hears of progress and may stop the call.
+    #[serde(skip)]
+    pub progress: Listener,
     /// Whether the match before refinement is kept beside the refined one, for measurements; not an option of the package.
     #[serde(skip)]
     pub raw: bool,
