@@ -2,8 +2,8 @@
 
 use ndarray::s;
 
-use crate::graph::{EdgeGraph, nearest_neighbours, nearest_sources};
-use crate::operators::{EdgeFilter, GaussianParams, Quadrics, normals};
+use crate::graph::{EdgeGraph, nearest_sources};
+use crate::operators::{EdgeFilter, Neighbourhood, normals};
 use crate::shape::{Shape, nearest_samples};
 use crate::spectrum::SpectralBasis;
 use crate::vector::{cross, dot, minus, squared_distance};
@@ -35,14 +35,20 @@ pub struct SampledSurface {
 
 impl SampledSurface {
     /// Of a mesh along its edges; of a cloud along edges between neighbours that lie on one sheet, so that limbs in contact do not touch. `samples` are indices
-    /// of points, `basis` is that of the shape; on a cloud `filter` weakens edges that are known to join two parts of the body.
-    pub fn around(shape: &Shape, samples: &[u32], basis: &SpectralBasis, filter: Option<EdgeFilter>) -> Self {
+    /// of points, `basis` is that of the shape; on a cloud its `neighbourhood` counts, and `filter` weakens edges that are known to join two parts of the body.
+    pub fn around(
+        shape: &Shape,
+        neighbourhood: &Neighbourhood,
+        filter: Option<EdgeFilter>,
+        samples: &[u32],
+        basis: &SpectralBasis,
+    ) -> Self {
         let (graph, normals, oriented) = if shape.faces().is_empty() {
-            let neighbours = nearest_neighbours(shape.points(), GaussianParams::default().neighbours);
-            let quadrics = Quadrics::fit(shape.points(), &neighbours).with_filter(filter);
+            let (neighbours, quadrics) = (neighbourhood.neighbours(), neighbourhood.quadrics());
+            let sheets = quadrics.with_filter(filter);
             let near = |i: usize| neighbours.of(i).iter().zip(neighbours.distances(i)).take(NEAR);
             let edges = (0..neighbours.len()).flat_map(|i| near(i).map(move |(&j, &d)| (i as u32, j, d)));
-            let kept = edges.filter(|&(i, j, _)| quadrics.agreement(i, j) > SAME_SHEET);
+            let kept = edges.filter(|&(i, j, _)| sheets.agreement(i, j) > SAME_SHEET);
             (EdgeGraph::from_edges(neighbours.len(), kept), quadrics.normals(), false)
         } else {
             let welded = shape.welded();
