@@ -2,11 +2,12 @@
 
 use ndarray::s;
 
+use super::outward_normals::outward_normals;
 use crate::graph::{EdgeGraph, nearest_sources};
-use crate::operators::{EdgeFilter, Neighbourhood, normals};
+use crate::operators::{EdgeFilter, Neighbourhood};
 use crate::shape::{Shape, nearest_samples};
 use crate::spectrum::SpectralBasis;
-use crate::vector::{cross, dot, minus, squared_distance};
+use crate::vector::squared_distance;
 
 /// Edges of a cloud on which two quadrics of surface agree less than this lead from one to the other. Between the edges within a sheet and those that cross
 /// a contact there is hardly anything in between.
@@ -52,11 +53,7 @@ impl SampledSurface {
             (EdgeGraph::from_edges(neighbours.len(), kept), quadrics.normals(), false)
         } else {
             let welded = shape.welded();
-            let mut normals = normals(shape);
-            let volume = signed_volume(&welded);
-            if volume < 0.0 {
-                normals.iter_mut().flatten().for_each(|c| *c = -*c);
-            }
+            let normals = outward_normals(&welded);
             (EdgeGraph::of_faces(welded.points(), welded.faces()), normals, welded.faces_agree())
         };
         let mut cell = nearest_sources(&graph, samples);
@@ -109,12 +106,4 @@ fn cut_at_jumps(adjacent: &mut Vec<[u32; 2]>, points: &[[f64; 3]], samples: &[u3
     let (_, &mut usual, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
     let mut kept = slopes.iter().map(|&slope| slope <= JUMP * usual);
     adjacent.retain(|_| kept.next().unwrap_or(true));
-}
-
-/// Six times the volume inside, negative where faces run clockwise seen from outside. Measured from the middle of the points, so that holes hardly matter.
-fn signed_volume(shape: &Shape) -> f64 {
-    let n = shape.points().len() as f64;
-    let middle: [f64; 3] = std::array::from_fn(|c| shape.points().iter().map(|p| p[c]).sum::<f64>() / n);
-    let corner = |i: u32| minus(shape.points()[i as usize], middle);
-    shape.faces().iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c)))).sum()
 }

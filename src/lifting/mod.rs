@@ -77,7 +77,12 @@ pub fn lift(matched: &Correspondence, from: Sampled, to: Sampled, parts: Option<
                 (0..3).for_each(|c| image[c] += weight * moved[c]);
                 total += weight;
             }
-            image.iter_mut().for_each(|c| *c /= total);
+            if total >= f64::MIN_POSITIVE {
+                image.iter_mut().for_each(|c| *c /= total);
+            } else {
+                // So far from all of them that no weight is left: the nearest one's motion alone.
+                image = motion.apply(x, source.points[row], target.points[target_of(row)]);
+            }
             // Cells whose middle is far from the image hold nothing nearer.
             cells.iter_mut().for_each(|cell| cell.squared = squared_distance(cell.middle, image));
             cells.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));

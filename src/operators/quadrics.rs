@@ -59,16 +59,6 @@ impl Quadrics {
     pub fn normals(&self) -> Vec<[f64; 3]> {
         self.quadrics.iter().map(Quadric::unit_normal).collect()
     }
-
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.quadrics.len()
-    }
-
-    /// True without points.
-    pub fn is_empty(&self) -> bool {
-        self.quadrics.is_empty()
-    }
 }
 
 /// Which edges lie within a sheet of surface, by the surfaces through their ends and by what else is known.

@@ -149,7 +149,9 @@ pub(crate) fn prepare_with_carriers(
     let more = if on_mesh { THIN_LIMIT } else { options.points / 2 };
     let most = options.points.saturating_add(more).max(if on_mesh { MESH_LIMIT } else { 0 });
     check_size(surface.len().min(most), options.eigenpairs)?;
-    let Crumbs { body: surface, crumbs, far, pieces: crumb_count } = set_crumbs_aside(&used_shape, &surface);
+    let aside = set_crumbs_aside(&used_shape, &surface);
+    let unmatched = aside.unmatched();
+    let Crumbs { body: surface, crumbs, far, pieces: crumb_count, far_vertices } = aside;
     repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
         let bits = counted(crumb_count, "bit", "bits");
         format!(
@@ -157,6 +159,10 @@ pub(crate) fn prepare_with_carriers(
             counted(crumbs.len(), "point", "points"),
             far.len()
         )
+    }));
+    repairs.extend(Repair::counted("far-from-surface", far_vertices.len(), || {
+        let points = counted(far_vertices.len(), "point that belongs", "points that belong");
+        format!("{points} to no face too far from the surface to be matched")
     }));
     if surface.len() < MIN_POINTS {
         return Err(ShapeError::TooFewPoints { found: surface.len(), needed: MIN_POINTS }.into());
@@ -173,7 +179,7 @@ pub(crate) fn prepare_with_carriers(
         share = share.max(0.9 * done);
         progress.at(Stage::Sample, share)
     };
-    let (mut support, operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
+    let (mut support, mut operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
     if operator_shape.points().len() < MIN_POINTS {
         return Err(ShapeError::TooFewPoints { found: operator_shape.points().len(), needed: MIN_POINTS }.into());
     }
@@ -181,7 +187,8 @@ pub(crate) fn prepare_with_carriers(
         let points = counted(lost, "point", "points");
         format!("{points} in parts too thin for the simplified mesh; they are matched like what they hang on")
     }));
-    support.unmatched = (!far.is_empty()).then_some(far);
+    repairs.extend(operator_shape.wind_alike());
+    support.unmatched = (!unmatched.is_empty()).then_some(unmatched);
     let used: Vec<[f64; 3]> =
         (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
     let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
