@@ -1,7 +1,7 @@
 // What wasm-pack puts into geose_fmap.js, typed as tightly as the crate promises it. All of it but the GPU is synchronous; a typed
 // error is a plain `{ code, message, details }`, anything else thrown is a trap.
-import type { Device as DeviceInfo, Laplacian, LaplacianKind, Match, SolvedSpectrum, Stage } from './results.js';
-import type { MatcherOptions, MatchOptions, PrepareOptions } from './options.js';
+import type { Device as DeviceInfo, Laplacian, Match, SolvedSpectrum, Stage } from './results.js';
+import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions } from './options.js';
 
 type Bytes = Uint8Array<ArrayBuffer>;
 type Progress = (stage: Stage, fraction: number) => void;
@@ -23,6 +23,7 @@ export function read_arrays(
 /** Opens the device; rejects with a typed error where it is insisted on and not there. `again` opens one that was opened before, or else goes on without it. */
 export function open_device(choice: NonNullable<MatcherOptions['device']>, again: boolean): Promise<Device>;
 
+type LaplacianGiven = Pick<LaplacianOptions, 'kind' | 'k0' | 'k' | 'tau' | 'iterations' | 'sigma'>;
 type PrepareGiven = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>;
 type MatchGiven = Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>;
 
@@ -41,8 +42,8 @@ export class Device {
 }
 
 /** Consumes `shape`, also when it throws. */
-export function laplacian(shape: RawShape, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
-export function laplacian_of_prepared(block: Uint8Array, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
+export function laplacian(shape: RawShape, options: LaplacianGiven, progress: Progress): Laplacian;
+export function laplacian_of_prepared(block: Uint8Array, options: LaplacianGiven, progress: Progress): Laplacian;
 export function spectrum(
   indptr: Uint32Array,
   indices: Uint32Array,
