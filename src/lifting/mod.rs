@@ -218,3 +218,25 @@ impl Motion {
         plus(image, turned(&self.rotation, offset))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Correspondence, Sampled, Shape, Support, lift};
+
+    #[test]
+    fn a_point_so_far_that_no_weight_is_left_goes_where_the_nearest_motion_takes_it() {
+        // Sixty points used, a thousandth apart, and one thousand spacings away from them that is not.
+        let mut points: Vec<[f64; 3]> = (0..60)
+            .map(|i| [0.001 * f64::from(i % 10), 0.0013 * f64::from(i / 10), 1e-4 * f64::from(i * i % 7)])
+            .collect();
+        points.push([1.0, 0.0, 0.0]);
+        let shape = Shape::new(points, Vec::new(), None).expect("a cloud");
+        let mut carrier_of: Vec<u32> = (0..60).collect();
+        carrier_of.push(9);
+        let support = Support { carriers: Some((0..60).collect()), carrier_of: Some(carrier_of), ..Support::default() };
+        let scan = Sampled { shape: &shape, support: &support, scale: 0.01 };
+        let itself = Correspondence { target: (0..60).collect(), confidence: vec![1.0; 60] };
+        let lifted = lift(&itself, scan, scan, None);
+        assert_eq!(lifted.target, (0..61).collect::<Vec<u32>>());
+    }
+}

@@ -63,3 +63,33 @@ impl Geometry {
         Ok(Self { laplacian, basis, report, features, surface })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Carriers, Geometry, LaplacianKind, Progress, Shape, Support};
+
+    #[test]
+    fn a_second_pass_with_a_filter_is_the_same_on_a_neighbourhood_that_is_there() {
+        let points = (0..400).map(|i| {
+            let (z, turn) = (1.0 - f64::from(2 * i + 1) / 400.0, f64::from(i) * 2.399963);
+            let r = (1.0 - z * z).sqrt() * (1.0 + 0.2 * z + 0.15 * turn.sin());
+            [r * turn.cos(), 0.8 * r * turn.sin(), 1.6 * z]
+        });
+        let egg = Shape::new(points.collect(), Vec::new(), None).expect("a cloud");
+        let halves = |i: u32, j: u32| if (i < 200) == (j < 200) { 1.0 } else { 0.1 };
+        let coarse: Vec<u32> = (0..400).step_by(4).collect();
+        let of = |carriers: &Carriers, filtered: bool| {
+            let filter = filtered.then_some(&halves as crate::operators::EdgeFilter);
+            let support = (&Support::default(), &coarse[..]);
+            Geometry::of(carriers, LaplacianKind::Geodesic, filter, support, 20, &mut Progress::silent())
+                .expect("geometry")
+        };
+        let shared = Carriers::new(egg.clone());
+        let first = of(&shared, false);
+        let (second, alone) = (of(&shared, true), of(&Carriers::new(egg), true));
+        assert_eq!(second.laplacian.matrix, alone.laplacian.matrix);
+        assert_eq!(second.basis.eigenvectors, alone.basis.eigenvectors);
+        assert_eq!((&second.features, &second.surface), (&alone.features, &alone.surface));
+        assert_ne!(second.laplacian.matrix, first.laplacian.matrix);
+    }
+}
