@@ -71,7 +71,8 @@ pub use network::{
     Thresholds, TrainedNetwork, Weights, WeightsError, WeightsId,
 };
 pub use operators::{
-    Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,
+    EdgeFilter, Frame, Gradient, Laplacian, LaplacianBuilder, LaplacianKind, Mass, Neighbourhood, OperatorError,
+    gradient, laplacian, normals,
 };
 pub use pipeline::{
     BlockError, DeviceChoice, DeviceError, DeviceInfo, DeviceKind, Error, FaceUse, GpuUse, Info, Match, MatchOptions,

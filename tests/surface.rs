@@ -1,10 +1,10 @@
-//! Which samples touch, and which way a surface faces, as a prepared shape keeps them for refinement.
+//! Which samples touch, as a prepared shape keeps them for refinement.
 #![cfg(not(target_arch = "wasm32"))]
 
 mod shapes;
 
 use geose_fmap::{PrepareOptions, PreparedShape};
-use shapes::{Soup, blob, body, distance, fibonacci_sphere, icosphere, prepared};
+use shapes::{body, distance, fibonacci_sphere, icosphere, prepared};
 
 fn quick() -> PrepareOptions {
     PrepareOptions { points: 1000, eigenpairs: 40, ..Default::default() }
@@ -13,23 +13,6 @@ fn quick() -> PrepareOptions {
 /// Positions of the samples of the even sampling.
 fn samples(shape: &PreparedShape) -> Vec<[f64; 3]> {
     shape.coarse.iter().map(|&row| shape.shape.points()[shape.support.uploaded(row as usize)]).collect()
-}
-
-#[test]
-fn normals_of_a_mesh_point_out_however_it_is_wound() {
-    let ball = blob(3);
-    let inside_out = Soup { faces: ball.faces.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..ball.clone() };
-    for soup in [ball, inside_out] {
-        let shape = prepared(soup.shape(), &quick());
-        assert!(shape.surface.oriented);
-        let out =
-            (0..642).filter(|&i| (0..3).map(|c| shape.surface.normals[i][c] * soup.points[i][c]).sum::<f64>() > 0.0);
-        assert_eq!(out.count(), 642);
-    }
-    let mut crossed = blob(3);
-    crossed.faces[7].swap(0, 1);
-    assert!(!prepared(crossed.shape(), &quick()).surface.oriented, "one face says otherwise");
-    assert!(!prepared(blob(3).cloud().shape(), &quick()).surface.oriented, "a cloud says nothing");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 // What wasm-pack puts into geose_fmap.js, typed as tightly as the crate promises it. All of it but the GPU is synchronous; a typed
 // error is a plain `{ code, message, details }`, anything else thrown is a trap.
-import type { Device as DeviceInfo, Laplacian, LaplacianKind, Match, SolvedSpectrum, Stage } from './results.js';
-import type { MatcherOptions, MatchOptions, PrepareOptions } from './options.js';
+import type { Device as DeviceInfo, Laplacian, Match, SolvedSpectrum, Stage } from './results.js';
+import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions } from './options.js';
 
 type Bytes = Uint8Array<ArrayBuffer>;
 type Progress = (stage: Stage, fraction: number) => void;
@@ -27,6 +27,7 @@ export function open_device(
   weights: Uint8Array[] | undefined,
 ): Promise<Device>;
 
+type LaplacianGiven = Pick<LaplacianOptions, 'kind' | 'k0' | 'k' | 'tau' | 'iterations' | 'sigma'>;
 type PrepareGiven = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'>;
 type MatchGiven = Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>;
 
@@ -45,8 +46,8 @@ export class Device {
 }
 
 /** Consumes `shape`, also when it throws. */
-export function laplacian(shape: RawShape, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
-export function laplacian_of_prepared(block: Uint8Array, options: { kind?: LaplacianKind | undefined }, progress: Progress): Laplacian;
+export function laplacian(shape: RawShape, options: LaplacianGiven, progress: Progress): Laplacian;
+export function laplacian_of_prepared(block: Uint8Array, options: LaplacianGiven, progress: Progress): Laplacian;
 export function spectrum(
   indptr: Uint32Array,
   indices: Uint32Array,

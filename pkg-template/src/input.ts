@@ -82,7 +82,8 @@ const oneOf =
   (option, value) =>
     values.includes(value as string) || refuse(option, values.map((value) => `'${value}'`).join(' or '), value);
 const count: Check = (option, value) => Number.isInteger(value) || refuse(option, 'a whole number', value);
-const laplacian = oneOf('geodesic', 'geodesic-literal', 'euclidean', 'cotangent');
+const number: Check = (option, value) => (typeof value === 'number' && Number.isFinite(value)) || refuse(option, 'a finite number', value);
+const laplacian = oneOf('geodesic', 'geodesic-literal', 'euclidean', 'gaussian', 'cotangent');
 const pairs: Check = (option, value) => {
   if (!Array.isArray(value)) return refuse(option, 'an array of pairs [point of a, point of b]', value);
   for (const [at, pair] of value.entries()) {
@@ -98,6 +99,11 @@ const OPTIONS = new Map<string, Check>([
   ['faces', oneOf('use', 'ignore')],
   ['laplacian', laplacian],
   ['kind', laplacian],
+  ['k0', count],
+  ['k', count],
+  ['tau', number],
+  ['iterations', count],
+  ['sigma', number],
   ['up', oneOf('x', 'y', 'z')],
   ['parts', oneOf('predicted', 'given', 'none')],
   ['refine', oneOf('best', 'zoomout', 'none')],

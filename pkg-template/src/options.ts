@@ -80,10 +80,20 @@ export interface PrepareOptions extends CallOptions, ReadOptions {
   up?: Axis | undefined;
 }
 
-/** How a Laplacian is built. */
+/** How a Laplacian is built. What its kind does not have is refused with `'invalid-option'`; left out, it is as the paper has it. */
 export interface LaplacianOptions extends CallOptions, ReadOptions {
   /** Default `'cotangent'` for meshes, `'geodesic'` for clouds. */
   kind?: LaplacianKind | undefined;
+  /** k₀ of Algorithm 1 (default 5, from 1 to k): neighbours in the graph that geodesics start from. For the geodesic kinds. */
+  k0?: number | undefined;
+  /** k of Algorithm 1 (default 20, from 3 to 200): candidate neighbours. For all kinds but `'cotangent'`. */
+  k?: number | undefined;
+  /** τ of Algorithm 1 (default 3, from 1 to 1000): a candidate stays while geodesic / Euclidean distance is below. For the geodesic kinds. */
+  tau?: number | undefined;
+  /** T of Algorithm 1 (default 3, from 0 to 100): rounds in which candidates are considered. For the geodesic kinds. */
+  iterations?: number | undefined;
+  /** σ of the weights, in the unit of the scan (default: mean distance to the k neighbours). For `'gaussian'` and `'geodesic-literal'`. */
+  sigma?: number | undefined;
 }
 
 /** How eigenpairs are computed. */

@@ -26,7 +26,10 @@ export interface Calls {
     ask: { source: Source; options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up'> };
     answer: Uint8Array<ArrayBuffer>;
   };
-  laplacian: { ask: { source: Source | Prepared; options: Pick<LaplacianOptions, 'kind'> }; answer: Laplacian };
+  laplacian: {
+    ask: { source: Source | Prepared; options: Pick<LaplacianOptions, 'kind' | 'k0' | 'k' | 'tau' | 'iterations' | 'sigma'> };
+    answer: Laplacian;
+  };
   spectrum: { ask: { laplacian: Omit<Laplacian, 'kind'>; options: Pick<SpectrumOptions, 'eigenpairs'> }; answer: SolvedSpectrum };
   match: {
     ask: { a: Prepared['block']; b: Prepared['block']; options: Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'> };

@@ -28,8 +28,11 @@ export interface Warning {
 /** What a point of `targetOf` holds when it has no partner. */
 export const UNMATCHED = 0xffffffff;
 
-/** How the Laplacian of a shape is built. */
-export type LaplacianKind = 'geodesic' | 'geodesic-literal' | 'euclidean' | 'cotangent';
+/**
+ * How the Laplacian of a shape is built: `'gaussian'` is the traditional one of the paper, and of it and `'geodesic-literal'` every point has mass 1, as
+ * printed there; the mass of the others sums to the area.
+ */
+export type LaplacianKind = 'geodesic' | 'geodesic-literal' | 'euclidean' | 'gaussian' | 'cotangent';
 
 /** A coordinate axis. */
 export type Axis = 'x' | 'y' | 'z';

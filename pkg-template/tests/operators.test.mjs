@@ -60,6 +60,45 @@ describe('operators of the unit sphere', () => {
     assert.deepEqual(await matcher.laplacian(cloud), await matcher.laplacian(cloud, { kind: 'geodesic' }));
   });
 
+  test('all parameters of Algorithm 1 are there, and one that a kind does not have is refused by name', async () => {
+    const cloud = { positions: UNIT_SPHERE.positions };
+    const built = (options) => matcher.laplacian(cloud, options);
+    const literal = { kind: 'geodesic-literal' };
+    assert.deepEqual(await built({ ...literal, k0: 5, k: 20, tau: 3, iterations: 3 }), await built(literal));
+    const entries = async (options) => (await built({ ...literal, ...options })).values.length;
+    const whole = await entries({});
+    assert.ok((await entries({ k: 10 })) < whole, 'fewer candidates');
+    assert.ok((await entries({ tau: 1.01 })) < whole, 'stricter');
+    assert.ok((await entries({ iterations: 0, k0: 8 })) < whole, 'the first graph alone');
+
+    const { kind, indptr, indices, values, mass } = await built({ kind: 'gaussian', k: 12, sigma: 0.1 });
+    assert.equal(kind, 'gaussian');
+    assert.ok(mass.every((m) => m === 1));
+    const at = (i) => cloud.positions.slice(3 * i, 3 * i + 3);
+    for (let e = indptr[0]; e < indptr[1]; e++) {
+      if (indices[e] === 0) continue;
+      const squared = at(indices[e]).reduce((sum, x, c) => sum + (x - at(0)[c]) ** 2, 0);
+      assert.ok(Math.abs(values[e] + Math.exp(-squared / (2 * 0.1 ** 2))) < 1e-6);
+    }
+
+    for (const [options, option] of [
+      [{ kind: 'gaussian', tau: 3 }, 'tau'],
+      [{ kind: 'euclidean', sigma: 0.1 }, 'sigma'],
+      [{ kind: 'cotangent', k: 20 }, 'k'],
+      [{ ...literal, k: 2 }, 'k'],
+      [{ ...literal, tau: 0.5 }, 'tau'],
+      [{ ...literal, iterations: 1.5 }, 'iterations'],
+      [{ ...literal, sigma: 'small' }, 'sigma'],
+    ]) {
+      await assert.rejects(built(options), (error) => {
+        assert.equal(error.code, 'invalid-option');
+        assert.equal(error.details.option, option);
+        assert.match(error.message, new RegExp(`\\b${option}\\b`));
+        return true;
+      });
+    }
+  });
+
   test('no more eigenpairs than n − 2', async () => {
     const small = sphere(3);
     const n = small.positions.length / 3;

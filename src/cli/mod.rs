@@ -47,7 +47,7 @@ struct Preparing {
     /// Eigenpairs of the basis.
     #[arg(long, default_value_t = 120)]
     eigenpairs: usize,
-    /// geodesic, geodesic-literal, euclidean or cotangent; by default cotangent on meshes and geodesic on clouds.
+    /// geodesic, geodesic-literal, euclidean, gaussian or cotangent; by default cotangent on meshes and geodesic on clouds.
     #[arg(long)]
     laplacian: Option<LaplacianKind>,
     /// The axis that points up: x, y or z.

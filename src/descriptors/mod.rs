@@ -1,6 +1,7 @@
 //! What is known of points without a network: spectral descriptors, and the surface around a sampling.
 
 mod heat_kernel;
+mod outward_normals;
 mod sampled_surface;
 mod wave_kernel;
 

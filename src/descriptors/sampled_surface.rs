@@ -2,11 +2,12 @@
 
 use ndarray::s;
 
-use crate::graph::{EdgeGraph, nearest_neighbours, nearest_sources};
-use crate::operators::{EdgeFilter, GaussianParams, Quadrics, normals};
+use super::outward_normals::outward_normals;
+use crate::graph::{EdgeGraph, nearest_sources};
+use crate::operators::{EdgeFilter, Neighbourhood};
 use crate::shape::{Shape, nearest_samples};
 use crate::spectrum::SpectralBasis;
-use crate::vector::{cross, dot, minus, squared_distance};
+use crate::vector::squared_distance;
 
 /// Edges of a cloud on which two quadrics of surface agree less than this lead from one to the other. Between the edges within a sheet and those that cross
 /// a contact there is hardly anything in between.
@@ -35,22 +36,24 @@ pub struct SampledSurface {
 
 impl SampledSurface {
     /// Of a mesh along its edges; of a cloud along edges between neighbours that lie on one sheet, so that limbs in contact do not touch. `samples` are indices
-    /// of points, `basis` is that of the shape; on a cloud `filter` weakens edges that are known to join two parts of the body.
-    pub fn around(shape: &Shape, samples: &[u32], basis: &SpectralBasis, filter: Option<EdgeFilter>) -> Self {
+    /// of points, `basis` is that of the shape; on a cloud its `neighbourhood` counts, and `filter` weakens edges that are known to join two parts of the body.
+    pub fn around(
+        shape: &Shape,
+        neighbourhood: &Neighbourhood,
+        filter: Option<EdgeFilter>,
+        samples: &[u32],
+        basis: &SpectralBasis,
+    ) -> Self {
         let (graph, normals, oriented) = if shape.faces().is_empty() {
-            let neighbours = nearest_neighbours(shape.points(), GaussianParams::default().neighbours);
-            let quadrics = Quadrics::fit(shape.points(), &neighbours).with_filter(filter);
+            let (neighbours, quadrics) = (neighbourhood.neighbours(), neighbourhood.quadrics());
+            let sheets = quadrics.with_filter(filter);
             let near = |i: usize| neighbours.of(i).iter().zip(neighbours.distances(i)).take(NEAR);
             let edges = (0..neighbours.len()).flat_map(|i| near(i).map(move |(&j, &d)| (i as u32, j, d)));
-            let kept = edges.filter(|&(i, j, _)| quadrics.agreement(i, j) > SAME_SHEET);
+            let kept = edges.filter(|&(i, j, _)| sheets.agreement(i, j) > SAME_SHEET);
             (EdgeGraph::from_edges(neighbours.len(), kept), quadrics.normals(), false)
         } else {
             let welded = shape.welded();
-            let mut normals = normals(shape);
-            let volume = signed_volume(&welded);
-            if volume < 0.0 {
-                normals.iter_mut().flatten().for_each(|c| *c = -*c);
-            }
+            let normals = outward_normals(&welded);
             (EdgeGraph::of_faces(welded.points(), welded.faces()), normals, welded.faces_agree())
         };
         let mut cell = nearest_sources(&graph, samples);
@@ -103,12 +106,4 @@ fn cut_at_jumps(adjacent: &mut Vec<[u32; 2]>, points: &[[f64; 3]], samples: &[u3
     let (_, &mut usual, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
     let mut kept = slopes.iter().map(|&slope| slope <= JUMP * usual);
     adjacent.retain(|_| kept.next().unwrap_or(true));
-}
-
-/// Six times the volume inside, negative where faces run clockwise seen from outside. Measured from the middle of the points, so that holes hardly matter.
-fn signed_volume(shape: &Shape) -> f64 {
-    let n = shape.points().len() as f64;
-    let middle: [f64; 3] = std::array::from_fn(|c| shape.points().iter().map(|p| p[c]).sum::<f64>() / n);
-    let corner = |i: u32| minus(shape.points()[i as usize], middle);
-    shape.faces().iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c)))).sum()
 }

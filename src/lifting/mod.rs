@@ -77,7 +77,12 @@ pub fn lift(matched: &Correspondence, from: Sampled, to: Sampled, parts: Option<
                 (0..3).for_each(|c| image[c] += weight * moved[c]);
                 total += weight;
             }
-            image.iter_mut().for_each(|c| *c /= total);
+            if total >= f64::MIN_POSITIVE {
+                image.iter_mut().for_each(|c| *c /= total);
+            } else {
+                // So far from all of them that no weight is left: the nearest one's motion alone.
+                image = motion.apply(x, source.points[row], target.points[target_of(row)]);
+            }
             // Cells whose middle is far from the image hold nothing nearer.
             cells.iter_mut().for_each(|cell| cell.squared = squared_distance(cell.middle, image));
             cells.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));
@@ -211,5 +216,27 @@ impl Motion {
     fn apply(&self, point: [f64; 3], centre: [f64; 3], image: [f64; 3]) -> [f64; 3] {
         let offset = minus(point, centre).map(|c| c * self.scale);
         plus(image, turned(&self.rotation, offset))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Correspondence, Sampled, Shape, Support, lift};
+
+    #[test]
+    fn a_point_so_far_that_no_weight_is_left_goes_where_the_nearest_motion_takes_it() {
+        // Sixty points used, a thousandth apart, and one thousand spacings away from them that is not.
+        let mut points: Vec<[f64; 3]> = (0..60)
+            .map(|i| [0.001 * f64::from(i % 10), 0.0013 * f64::from(i / 10), 1e-4 * f64::from(i * i % 7)])
+            .collect();
+        points.push([1.0, 0.0, 0.0]);
+        let shape = Shape::new(points, Vec::new(), None).expect("a cloud");
+        let mut carrier_of: Vec<u32> = (0..60).collect();
+        carrier_of.push(9);
+        let support = Support { carriers: Some((0..60).collect()), carrier_of: Some(carrier_of), ..Support::default() };
+        let scan = Sampled { shape: &shape, support: &support, scale: 0.01 };
+        let itself = Correspondence { target: (0..60).collect(), confidence: vec![1.0; 60] };
+        let lifted = lift(&itself, scan, scan, None);
+        assert_eq!(lifted.target, (0..61).collect::<Vec<u32>>());
     }
 }

@@ -7,11 +7,10 @@
 
 use sprs::{CsMat, TriMat};
 
-use super::GaussianParams;
 use super::frames::Frame;
+use super::neighbourhood::Neighbourhood;
 use super::normals::{mesh_normals, unit_normal};
-use super::quadrics::Quadrics;
-use crate::graph::{EdgeGraph, Neighbours, RefineParams, nearest_neighbours, refine};
+use super::quadrics::EdgeFilter;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::Shape;
 use crate::vector::{cross, dot, minus};
@@ -45,17 +44,27 @@ impl Gradient {
 /// The gradient on a shape: of faces where it has them, else of neighbours on the graph of Algorithm 1. As for the
 /// Laplacian, all points count, and of the corners of faces that lie at exactly one place the first has the entries.
 pub fn gradient(shape: &Shape, progress: &mut Progress) -> Result<Gradient, Cancelled> {
+    gradient_around(shape, &Neighbourhood::of(shape.points()), None, progress)
+}
+
+/// [`gradient`], where the neighbourhood of the points is known; on a cloud `filter` weakens edges that are known to join what does not belong
+/// together.
+pub(crate) fn gradient_around(
+    shape: &Shape,
+    neighbourhood: &Neighbourhood,
+    filter: Option<EdgeFilter>,
+    progress: &mut Progress,
+) -> Result<Gradient, Cancelled> {
     if !shape.faces().is_empty() {
         progress.at(Stage::Laplacian, 0.0)?;
         return Ok(mesh_gradient(shape.points(), &shape.welded_faces()));
     }
     progress.at(Stage::Graph, 0.0)?;
-    let neighbours = nearest_neighbours(shape.points(), GaussianParams::default().neighbours);
+    neighbourhood.neighbours();
     progress.at(Stage::Graph, 0.5)?;
-    let graph = refine(&neighbours, &RefineParams::default()).edges;
+    neighbourhood.refined_graph();
     progress.at(Stage::Laplacian, 0.0)?;
-    let quadrics = Quadrics::fit(shape.points(), &neighbours);
-    Ok(cloud_gradient(shape.points(), &graph, &neighbours, &quadrics))
+    Ok(cloud_gradient(neighbourhood, filter))
 }
 
 /// Mean of the gradients of the faces around each vertex, weighted with their areas, in the tangent plane of the
@@ -63,7 +72,7 @@ pub fn gradient(shape: &Shape, progress: &mut Progress) -> Result<Gradient, Canc
 ///
 /// Area × gradient of a face is ½ Σ f_i n × e_i with e_i the side opposite corner i: nothing is divided by the area of
 /// a single face.
-pub(super) fn mesh_gradient(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Gradient {
+fn mesh_gradient(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Gradient {
     let frames: Vec<Frame> = mesh_normals(points, faces).into_iter().map(Frame::around).collect();
     let mut areas = vec![0.0; points.len()];
     let mut entries: Vec<(u32, u32, [f64; 2])> = Vec::with_capacity(6 * faces.len());
@@ -89,14 +98,12 @@ pub(super) fn mesh_gradient(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Gradient
 /// The gradient that explains the differences to the neighbours best (weighted least squares). Weights are those of the
 /// Laplacian, exp(−d²/σ_iσ_j), times how far two points agree that they are of one sheet. Neighbours are rolled out to
 /// their full distance.
-pub(super) fn cloud_gradient(
-    points: &[[f64; 3]],
-    graph: &EdgeGraph,
-    neighbours: &Neighbours,
-    quadrics: &Quadrics,
-) -> Gradient {
+fn cloud_gradient(neighbourhood: &Neighbourhood, filter: Option<EdgeFilter>) -> Gradient {
+    let (points, neighbours) = (neighbourhood.points(), neighbourhood.neighbours());
+    let (graph, quadrics) = (&neighbourhood.refined_graph().edges, neighbourhood.quadrics());
+    let sheets = quadrics.with_filter(filter);
     let n = graph.len();
-    let frames: Vec<Frame> = (0..n as u32).map(|i| Frame::around(quadrics.normal(i))).collect();
+    let frames: Vec<Frame> = quadrics.normals().into_iter().map(Frame::around).collect();
     let sigma: Vec<f64> = (0..n).map(|i| neighbours.mean_distance_from(i)).collect();
     let mut entries: Vec<(u32, u32, [f64; 2])> = Vec::with_capacity(2 * graph.edge_count());
     let mut row: Vec<(u32, f64, [f64; 2])> = Vec::new();
@@ -110,7 +117,7 @@ pub(super) fn cloud_gradient(
             if length > 0.0 && scale > 0.0 {
                 let weight = (-d * d / scale).exp();
                 all += weight * d * d;
-                row.push((j, weight * quadrics.agreement(i as u32, j), flat.map(|x| x * d / length)));
+                row.push((j, weight * sheets.agreement(i as u32, j), flat.map(|x| x * d / length)));
             }
         }
         let moment = |p: usize, q: usize| row.iter().map(|(_, w, u)| w * u[p] * u[q]).sum::<f64>();

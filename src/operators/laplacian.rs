@@ -16,13 +16,22 @@ pub enum LaplacianKind {
     GeodesicLiteral,
     /// Density-normalised weights on the plain k-NN graph: the baseline.
     Euclidean,
+    /// The paper's traditional L = D − W on the plain k-NN graph, W = exp(−d²/2σ²), unit mass: what its ablation compares with.
+    Gaussian,
     /// Cotangents on the intrinsic Delaunay triangulation: the default on meshes.
     Cotangent,
 }
 
 impl LaplacianKind {
     /// All kinds, in the order they are offered to users.
-    pub const ALL: [LaplacianKind; 4] = [Self::Geodesic, Self::GeodesicLiteral, Self::Euclidean, Self::Cotangent];
+    pub const ALL: [LaplacianKind; 5] =
+        [Self::Geodesic, Self::GeodesicLiteral, Self::Euclidean, Self::Gaussian, Self::Cotangent];
+
+    /// Whether every point has mass 1 unless told otherwise, because the paper prints the eigenproblem without a mass matrix (Lφ = λφ). The unit of the
+    /// eigenvalues is then that of the weights, none, and they grow neither with the area nor as those of the surface: only their ratios compare.
+    pub fn has_unit_mass(self) -> bool {
+        matches!(self, Self::GeodesicLiteral | Self::Gaussian)
+    }
 
     /// The name users write.
     pub fn name(self) -> &'static str {
@@ -30,6 +39,7 @@ impl LaplacianKind {
             Self::Geodesic => "geodesic",
             Self::GeodesicLiteral => "geodesic-literal",
             Self::Euclidean => "euclidean",
+            Self::Gaussian => "gaussian",
             Self::Cotangent => "cotangent",
         }
     }
@@ -55,7 +65,7 @@ impl FromStr for LaplacianKind {
 /// L (n, n): symmetric, positive semi-definite, rows summing to zero; and the lumped mass M (n).
 ///
 /// −M⁻¹L approximates the Laplace–Beltrami operator in 1/unit², and the mass sums to the surface area, for every kind
-/// but the literal one.
+/// but the two printed in the paper ([`LaplacianKind::has_unit_mass`]).
 #[derive(Clone, Debug)]
 pub struct Laplacian {
     /// How it was built.
@@ -102,6 +112,11 @@ impl Laplacian {
         Self { kind, matrix: CsMat::new((n, n), indptr, columns, values), mass }
     }
 
+    /// Whether every point has a weight to another one above 0.
+    pub(super) fn ties_every_point(&self) -> bool {
+        self.matrix.outer_iterator().enumerate().all(|(i, row)| row.get(i).is_some_and(|&degree| degree > 0.0))
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.mass.len()
@@ -112,7 +127,7 @@ impl Laplacian {
         self.mass.is_empty()
     }
 
-    /// Total mass: the surface area in unit², for every kind but the literal one.
+    /// Total mass: the surface area in unit², for every kind without unit mass.
     pub fn area(&self) -> f64 {
         self.mass.iter().sum()
     }

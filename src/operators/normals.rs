@@ -2,8 +2,7 @@
 
 use faer::{Mat, Side};
 
-use super::quadrics::Quadrics;
-use crate::graph::{Neighbours, nearest_neighbours};
+use super::neighbourhood::Neighbourhood;
 use crate::shape::Shape;
 use crate::vector::{cross, dot, minus, norm, plus};
 
@@ -17,23 +16,17 @@ pub(super) const LEAST_AREA: f64 = 1e-8;
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Unit normals (n, 3). Of a mesh they point to the side from which its faces run counter-clockwise, which is out where
-/// the scan is wound as usual; of a cloud either way. Where nothing is known (points without faces, points that only
+/// the scan is wound as usual; of a cloud either way, those of the surfaces that
+/// [`Quadrics`](super::Quadrics) fits, which follow one of two sheets that touch where principal components mix them. Where nothing is known (points without faces, points that only
 /// have copies of themselves around them), +z or any other direction.
 ///
 /// Of points in one place, all have the normal of the faces that meet there.
 pub fn normals(shape: &Shape) -> Vec<[f64; 3]> {
     if shape.faces().is_empty() {
-        let neighbours = nearest_neighbours(shape.points(), super::GaussianParams::default().neighbours);
-        return cloud_normals(shape.points(), &neighbours);
+        return Neighbourhood::of(shape.points()).quadrics().normals();
     }
     let at_first = mesh_normals(shape.points(), &shape.welded_faces());
     shape.first_at_place().into_iter().map(|first| at_first[first as usize]).collect()
-}
-
-/// Normals (n, 3) of a cloud, of either sign: those of the surfaces that [`Quadrics`] fits, which follow one of two
-/// sheets that touch where principal components mix them.
-fn cloud_normals(points: &[[f64; 3]], neighbours: &Neighbours) -> Vec<[f64; 3]> {
-    Quadrics::fit(points, neighbours).normals()
 }
 
 /// Normals (n, 3) of a mesh from the winding of its faces, each face counting with its angle at the vertex, so that how

@@ -25,7 +25,9 @@ const FLOOR: f64 = 0.02;
 pub type EdgeFilter<'f> = &'f dyn Fn(u32, u32) -> f64;
 
 /// The surface around a point: a quadric through it, over a tangent plane.
+#[derive(Debug)]
 struct Quadric {
+    point: [f64; 3],
     tangents: [[f64; 3]; 2],
     normal: [f64; 3],
     unit: f64,
@@ -33,38 +35,40 @@ struct Quadric {
 }
 
 /// Surfaces through every point, each fitted to the neighbours that agree with it.
-pub struct Quadrics<'p> {
-    points: &'p [[f64; 3]],
+#[derive(Debug)]
+pub struct Quadrics {
     quadrics: Vec<Quadric>,
-    filter: Option<EdgeFilter<'p>>,
 }
 
-impl<'p> Quadrics<'p> {
+impl Quadrics {
     /// Fits one to each of `points` (n).
     ///
     /// The quadric passes through its own point and is fitted by iteratively reweighted least squares (Cauchy-like weights), so of two sheets that
     /// lie half a spacing apart it follows its own. Normals by principal components mix them, and tests on angles between normals also
     /// punish what is merely curved: fingers, noses, feet.
-    pub fn fit(points: &'p [[f64; 3]], neighbours: &Neighbours) -> Self {
-        let quadrics = (0..points.len()).map(|i| Quadric::fit(points, neighbours, i)).collect();
-        Self { points, quadrics, filter: None }
+    pub fn fit(points: &[[f64; 3]], neighbours: &Neighbours) -> Self {
+        Self { quadrics: (0..points.len()).map(|i| Quadric::fit(points, neighbours, i)).collect() }
     }
 
     /// With what else is known of edges: where `filter` is 0 two points lie on different sheets, wherever they are.
-    pub fn with_filter(self, filter: Option<EdgeFilter<'p>>) -> Self {
-        Self { filter, ..self }
+    pub fn with_filter<'a>(&'a self, filter: Option<EdgeFilter<'a>>) -> Sheets<'a> {
+        Sheets { quadrics: self, filter }
     }
 
     /// Unit normals (n, 3), of either sign.
     pub fn normals(&self) -> Vec<[f64; 3]> {
-        (0..self.len() as u32).map(|i| self.normal(i)).collect()
+        self.quadrics.iter().map(Quadric::unit_normal).collect()
     }
+}
 
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.quadrics.len()
-    }
+/// Which edges lie within a sheet of surface, by the surfaces through their ends and by what else is known.
+#[derive(Clone, Copy)]
+pub struct Sheets<'a> {
+    quadrics: &'a Quadrics,
+    filter: Option<EdgeFilter<'a>>,
+}
 
+impl Sheets<'_> {
     /// From 1 for an edge within a sheet down to a floor for one between sheets.
     pub fn factor(&self, i: u32, j: u32) -> f64 {
         FLOOR + (1.0 - FLOOR) * self.agreement(i, j)
@@ -72,20 +76,13 @@ impl<'p> Quadrics<'p> {
 
     /// From 1 where each of two points lies on the sheet of the other down to nothing.
     pub fn agreement(&self, i: u32, j: u32) -> f64 {
+        let quadric = |i: u32| &self.quadrics.quadrics[i as usize];
         let squared = |from: u32, to: u32| {
-            let offset = minus(self.points[to as usize], self.points[from as usize]);
-            self.quadrics[from as usize].squared_residual(offset).min(2.0)
+            let offset = minus(quadric(to).point, quadric(from).point);
+            quadric(from).squared_residual(offset).min(2.0)
         };
         let kept = self.filter.map_or(1.0, |filter| filter(i, j));
         kept * (-FADE * (squared(i, j) + squared(j, i))).exp()
-    }
-
-    /// Unit normal of the sheet at its point. Its sign means nothing: z ≥ 0, so that it does not hang on the order of points.
-    pub fn normal(&self, i: u32) -> [f64; 3] {
-        let Quadric { tangents: [u, v], normal, coefficients: [along_u, along_v, ..], .. } = &self.quadrics[i as usize];
-        let tilted: [f64; 3] = std::array::from_fn(|c| normal[c] - along_u * u[c] - along_v * v[c]);
-        let length = norm(tilted).copysign(tilted[2]);
-        tilted.map(|x| x / length)
     }
 }
 
@@ -101,7 +98,8 @@ impl Quadric {
         let frame = tangent_frame(points[i], near);
         let nearest = &neighbours.distances(i)[..UNIT.min(of.len())];
         let unit = nearest.iter().sum::<f64>() / nearest.len().max(1) as f64;
-        let mut quadric = Self { tangents: frame.tangents, normal: frame.normal, unit, coefficients: [0.0; 5] };
+        let (tangents, normal) = (frame.tangents, frame.normal);
+        let mut quadric = Self { point: points[i], tangents, normal, unit, coefficients: [0.0; 5] };
         if unit <= 0.0 {
             return quadric;
         }
@@ -138,6 +136,14 @@ impl Quadric {
             quadric.coefficients = solved(normal, right);
         }
         quadric
+    }
+
+    /// Unit normal of the sheet at its point. Its sign means nothing: z ≥ 0, so that it does not hang on the order of points.
+    fn unit_normal(&self) -> [f64; 3] {
+        let Self { tangents: [u, v], normal, coefficients: [along_u, along_v, ..], .. } = self;
+        let tilted: [f64; 3] = std::array::from_fn(|c| normal[c] - along_u * u[c] - along_v * v[c]);
+        let length = norm(tilted).copysign(tilted[2]);
+        tilted.map(|x| x / length)
     }
 
     /// Along the tangents and the normal, in units of the spacing.

@@ -94,7 +94,7 @@ impl Error {
         match self {
             Error::Read(e) => e.details(),
             Error::Shape(e) => e.details(),
-            Error::Operator(_) => json!({}),
+            Error::Operator(e) => e.details(),
             Error::Spectrum(e) => e.details(),
             Error::Device(e) => e.details(),
             Error::Option(e) => e.details(),

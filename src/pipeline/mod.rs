@@ -20,7 +20,7 @@ pub(crate) use matching::match_with_cues;
 pub use matching::{Match, match_shapes, match_with};
 pub use options::{FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 #[cfg(feature = "train")]
-pub(crate) use prepare::{network_inputs, prepare_with_shape};
+pub(crate) use prepare::{network_inputs, prepare_with_carriers};
 pub use prepare::{prepare, prepare_with};
 pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
 pub use processor::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse, Processor};

@@ -6,12 +6,12 @@ use std::ops::Range;
 use ndarray::{Array2, s};
 
 use super::contact::edges_between_limbs;
-use super::geometry::Geometry;
+use super::geometry::{Carriers, Geometry};
 use super::{Error, FaceUse, Info, PrepareOptions, PreparedShape, ShapeKind};
 use crate::device::{Cpu, Device, Interrupted, still_well};
 use crate::graph::components;
 use crate::network::{Model, PointEmbedding, Position, ShapeInputs, TrainedNetwork};
-use crate::operators::{self, Laplacian, LaplacianKind, gradient};
+use crate::operators::{self, EdgeFilter, Laplacian, LaplacianKind, gradient_around};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::registration::COARSE;
 use crate::shape::{
@@ -40,20 +40,20 @@ pub async fn prepare_with<D: Device>(
     options: &PrepareOptions,
     progress: &mut Progress<'_>,
 ) -> Result<PreparedShape, Error> {
-    let (mut prepared, operator_shape, laplacian) = prepare_with_shape(shape, name, options, progress)?;
+    let (mut prepared, carriers, laplacian) = prepare_with_carriers(shape, name, options, progress)?;
     // Kept through the network only where it may be needed again.
     let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
     let laplacian = by_default.then_some(laplacian);
-    ask(model, &mut prepared, &operator_shape, 0.2..0.4, progress).await?;
+    ask(model, &mut prepared, &carriers, None, 0.2..0.4, progress).await?;
     let home = prepared.embeddings.first().cloned();
     let in_contact =
         laplacian.zip(home).and_then(|(laplacian, home)| Some((edges_between_limbs(&laplacian, &home)?, home)));
     if let Some((edges, PointEmbedding { category, parts, .. })) = in_contact {
-        // A graph and a spectrum again, but for who listens no stage comes twice.
+        // A Laplacian and a spectrum again, but a listener is not told of a stage twice.
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
         let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
         let meet = |i: u32, j: u32| f64::from(category.meeting(parts.row(i as usize), parts.row(j as usize)));
-        let apart = Geometry::of(&operator_shape, kind, Some(&meet), sampled, options.eigenpairs, &mut within);
+        let apart = Geometry::of(&carriers, kind, Some(&meet), sampled, options.eigenpairs, &mut within);
         drop(within);
         match apart {
             Ok(apart) => {
@@ -66,7 +66,7 @@ pub async fn prepare_with<D: Device>(
                 prepared.repairs.extend(not_proved(&apart.report, &apart.basis));
                 prepared.info.residual = apart.report.residual;
                 (prepared.basis, prepared.features, prepared.surface) = (apart.basis, apart.features, apart.surface);
-                ask(model, &mut prepared, &operator_shape, 0.8..0.9, progress).await?;
+                ask(model, &mut prepared, &carriers, Some(&meet), 0.8..0.9, progress).await?;
             }
             Err(Error::Cancelled(_)) => return Err(Cancelled { stage: Stage::Features }.into()),
             // The basis that knows no parts is there and good.
@@ -93,7 +93,8 @@ fn not_proved(report: &SpectrumReport, basis: &SpectralBasis) -> Option<Repair> 
 async fn ask<D: Device>(
     model: &Model<D>,
     prepared: &mut PreparedShape,
-    operator_shape: &Shape,
+    carriers: &Carriers,
+    filter: Option<EdgeFilter<'_>>,
     share: Range<f64>,
     progress: &mut Progress<'_>,
 ) -> Result<(), Error> {
@@ -102,9 +103,9 @@ async fn ask<D: Device>(
     for (index, trained) in model.networks().iter().enumerate() {
         let config = &trained.weights().config;
         let inputs = {
-            // Gradients take a graph again, but a listener is not told of a stage twice.
+            // Gradients ask for a graph again, but a listener is not told of a stage twice.
             let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
-            network_inputs(prepared, operator_shape, config.eigenpairs, config.position, &mut within)
+            network_inputs(prepared, carriers, filter, config.eigenpairs, config.position, &mut within)
                 .map_err(|_| Cancelled { stage: Stage::Features })?
         };
         progress.at(Stage::Features, share.end)?;
@@ -138,13 +139,13 @@ async fn embed<D: Device>(
     Ok(embedding)
 }
 
-/// All of [`prepare`] but the network, the shape that operators were built on (its points are the carriers), and its Laplacian.
-pub(crate) fn prepare_with_shape(
+/// All of [`prepare`] but the network, the carriers that operators were built on, and their Laplacian.
+pub(crate) fn prepare_with_carriers(
     shape: Shape,
     name: Option<String>,
     options: &PrepareOptions,
     progress: &mut Progress,
-) -> Result<(PreparedShape, Shape, Laplacian), Error> {
+) -> Result<(PreparedShape, Carriers, Laplacian), Error> {
     options.check()?;
     let as_read = shape;
     let mut repairs = as_read.repairs().to_vec();
@@ -168,7 +169,9 @@ pub(crate) fn prepare_with_shape(
     let more = if on_mesh { THIN_LIMIT } else { options.points / 2 };
     let most = options.points.saturating_add(more).max(if on_mesh { MESH_LIMIT } else { 0 });
     check_size(surface.len().min(most), options.eigenpairs)?;
-    let Crumbs { body: surface, crumbs, far, pieces: crumb_count } = set_crumbs_aside(&used_shape, &surface);
+    let aside = set_crumbs_aside(&used_shape, &surface);
+    let unmatched = aside.unmatched();
+    let Crumbs { body: surface, crumbs, far, pieces: crumb_count, far_vertices } = aside;
     repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
         let bits = counted(crumb_count, "bit", "bits");
         format!(
@@ -176,6 +179,10 @@ pub(crate) fn prepare_with_shape(
             counted(crumbs.len(), "point", "points"),
             far.len()
         )
+    }));
+    repairs.extend(Repair::counted("far-from-surface", far_vertices.len(), || {
+        let points = counted(far_vertices.len(), "point that belongs", "points that belong");
+        format!("{points} to no face too far from the surface to be matched")
     }));
     if surface.len() < MIN_POINTS {
         return Err(ShapeError::TooFewPoints { found: surface.len(), needed: MIN_POINTS }.into());
@@ -192,7 +199,7 @@ pub(crate) fn prepare_with_shape(
         share = share.max(0.9 * done);
         progress.at(Stage::Sample, share)
     };
-    let (mut support, operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
+    let (mut support, mut operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
     if operator_shape.points().len() < MIN_POINTS {
         return Err(ShapeError::TooFewPoints { found: operator_shape.points().len(), needed: MIN_POINTS }.into());
     }
@@ -200,12 +207,14 @@ pub(crate) fn prepare_with_shape(
         let points = counted(lost, "point", "points");
         format!("{points} in parts too thin for the simplified mesh; they are matched like what they hang on")
     }));
-    support.unmatched = (!far.is_empty()).then_some(far);
+    repairs.extend(operator_shape.wind_alike());
+    support.unmatched = (!unmatched.is_empty()).then_some(unmatched);
     let used: Vec<[f64; 3]> =
         (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
     let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
 
-    let geometry = Geometry::of(&operator_shape, kind, None, (&support, &coarse), options.eigenpairs, progress)?;
+    let carriers = Carriers::new(operator_shape);
+    let geometry = Geometry::of(&carriers, kind, None, (&support, &coarse), options.eigenpairs, progress)?;
     let Geometry { laplacian, basis, report, features, surface } = geometry;
     repairs.extend(not_proved(&report, &basis));
 
@@ -218,7 +227,7 @@ pub(crate) fn prepare_with_shape(
         points_used: used.len(),
         unit: None,
         up_axis: options.up.or(as_read.up()).or_else(|| longest_axis(&used)),
-        scale: operators::surface_area(&operator_shape, &laplacian).sqrt(),
+        scale: operators::surface_area(&carriers.shape, &laplacian, &carriers.neighbourhood).sqrt(),
         laplacian: kind,
         eigenpairs: basis.k(),
         residual: report.residual,
@@ -236,19 +245,20 @@ pub(crate) fn prepare_with_shape(
         features,
         embeddings: Vec::new(),
     };
-    Ok((prepared, operator_shape, laplacian))
+    Ok((prepared, carriers, laplacian))
 }
 
-/// What the network sees of a prepared shape, whose operators were built on `operator_shape`; k eigenpairs.
+/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`; k eigenpairs.
 pub(crate) fn network_inputs(
     prepared: &PreparedShape,
-    operator_shape: &Shape,
+    carriers: &Carriers,
+    filter: Option<EdgeFilter>,
     k: usize,
     position: Position,
     progress: &mut Progress,
 ) -> Result<ShapeInputs, Cancelled> {
     let matchable = prepared.matchable();
-    let gradient = gradient(operator_shape, progress)?;
+    let gradient = gradient_around(&carriers.shape, &carriers.neighbourhood, filter, progress)?;
     let k = k.min(prepared.basis.k());
     let unit_area = prepared.basis.mass.sum();
     let rows: Vec<usize> = match &prepared.support.used {

@@ -1,4 +1,4 @@
-//! What is in a scan and is no part of the body: floating bits of surface, stray points.
+//! What is in a scan and is no part of the body: floating bits of surface, stray points, vertices in no face.
 
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ const AROUND: usize = 8;
 const GAP: f64 = 3.0;
 /// A point whose neighbours are this many times farther away than those of the median point is a stray.
 const SPARSE: f64 = 4.0;
-/// A crumb this far (in lengths of the body's box) from the body is unmatched; a nearer one, like an eye or a nail, goes with the body.
+/// A crumb or a vertex in no face this far (in lengths of the body's box) from the body is unmatched; a nearer one, like an eye or a nail, goes with the body.
 const FAR: f64 = 0.02;
 
 /// Points of a shape that its operator does without.
@@ -29,6 +29,17 @@ pub struct Crumbs {
     pub far: Vec<u32>,
     /// Number of crumbs.
     pub pieces: usize,
+    /// Vertices of a mesh that are in no face and far from the body, ascending.
+    pub far_vertices: Vec<u32>,
+}
+
+impl Crumbs {
+    /// All points that nothing on the body can stand for, ascending.
+    pub fn unmatched(&self) -> Vec<u32> {
+        let mut all = [&self.far[..], &self.far_vertices[..]].concat();
+        all.sort_unstable();
+        all
+    }
 }
 
 /// Parts the points that count, `surface`, into the body and crumbs.
@@ -50,13 +61,27 @@ pub fn set_crumbs_aside(shape: &Shape, surface: &[u32]) -> Crumbs {
             body.push(i);
         }
     }
-    if crumbs.is_empty() {
-        return Crumbs { body, crumbs, far: Vec::new(), pieces: 0 };
+    let bare = points_in_no_face(shape, surface);
+    if crumbs.is_empty() && bare.is_empty() {
+        return Crumbs { body, crumbs, far: Vec::new(), pieces: 0, far_vertices: Vec::new() };
     }
-    let far = far_from(&at(shape, &body), &at(shape, &crumbs), &crumbs);
+    let from_body = |points: &[u32]| far_from(&at(shape, &body), &at(shape, points), points);
+    let far_vertices = from_body(&bare);
+    let far = from_body(&crumbs);
     let first = shape.first_at_place();
     let [crumbs, far] = [crumbs, far].map(|points| with_copies(&points, &first));
-    Crumbs { body, crumbs, far, pieces: pieces.len() }
+    Crumbs { body, crumbs, far, pieces: pieces.len(), far_vertices }
+}
+
+/// Of a mesh the points that lie where none of `surface` lies, ascending.
+fn points_in_no_face(shape: &Shape, surface: &[u32]) -> Vec<u32> {
+    if shape.faces().is_empty() || surface.len() == shape.points().len() {
+        return Vec::new();
+    }
+    let first = shape.first_at_place();
+    let mut bare = vec![true; first.len()];
+    surface.iter().for_each(|&i| bare[first[i as usize] as usize] = false);
+    (0..first.len() as u32).filter(|&i| bare[first[i as usize] as usize]).collect()
 }
 
 /// All points that lie where one of `points` lies.

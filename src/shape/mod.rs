@@ -4,6 +4,7 @@ mod axis;
 mod crumbs;
 mod error;
 mod faces;
+mod orientation;
 mod repair;
 mod sample;
 mod simplify;
@@ -173,6 +174,29 @@ impl Shape {
     /// From tables that came out of a valid shape.
     pub(crate) fn already_valid(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, labels: Option<Vec<u32>>) -> Self {
         Self { points, faces, labels, repairs: Vec::new(), up: None }
+    }
+
+    /// Turns faces until all that meet at an edge of two agree about which side is outside, as far as the surface allows; says what it did.
+    pub(crate) fn wind_alike(&mut self) -> Vec<Repair> {
+        let welded = self.welded_faces();
+        if faces::agree(&welded) {
+            return Vec::new();
+        }
+        let (faces, turned, contradicting) = orientation::wound_alike(&welded);
+        let mut repairs = Vec::new();
+        repairs.extend(Repair::counted("faces-reoriented", turned, || {
+            let faces = counted(turned, "face was", "faces were");
+            format!("{faces} taken as wound the other way, so that neighbours agree about the outside; in the scan they stay as they are")
+        }));
+        repairs.extend(Repair::counted("no-outside", contradicting, || {
+            let edges = counted(contradicting, "edge", "edges");
+            format!(
+                "along {edges} faces cannot be made to agree about the outside: the surface has none, so the scan is \
+                 registered, and its matches trusted, as those of a cloud"
+            )
+        }));
+        self.faces = faces;
+        repairs
     }
 
     /// Whether no two faces disagree about which side is outside.

@@ -14,7 +14,7 @@ use crate::network::ShapeInputs;
 use crate::operators::LaplacianKind;
 use crate::pipeline::Error;
 use crate::pipeline::PrepareOptions;
-use crate::pipeline::{network_inputs, prepare_with_shape};
+use crate::pipeline::{network_inputs, prepare_with_carriers};
 use crate::progress::Progress;
 use crate::shape::Shape;
 
@@ -45,12 +45,12 @@ impl Sample {
             ..PrepareOptions::default()
         };
         let mut progress = Progress::silent();
-        let (prepared, operator_shape, _) = prepare_with_shape(shape, None, &options, &mut progress)?;
+        let (prepared, carriers, _) = prepare_with_carriers(shape, None, &options, &mut progress)?;
         let labels = prepared.shape.labels().unwrap_or_default();
         let used: Vec<usize> = (0..prepared.points_used()).map(|row| prepared.support.uploaded(row)).collect();
         let labels = used.iter().map(|&i| labels[i]).collect();
         let places = places.map(|at| Array2::from_shape_fn((used.len(), 3), |(row, axis)| at[used[row]][axis]));
-        let inputs = network_inputs(&prepared, &operator_shape, config.eigenpairs, config.position, &mut progress)
+        let inputs = network_inputs(&prepared, &carriers, None, config.eigenpairs, config.position, &mut progress)
             .map_err(crate::operators::OperatorError::from)?;
         Ok(Self { inputs, labels, places })
     }

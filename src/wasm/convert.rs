@@ -9,7 +9,7 @@ use wasm_bindgen::JsValue;
 
 use super::invalid;
 use crate::maps::{Correspondence, FunctionalMap};
-use crate::operators::{Laplacian, LaplacianKind};
+use crate::operators::{Laplacian, LaplacianBuilder, LaplacianKind};
 use crate::pipeline::Error;
 use crate::pipeline::Match;
 use crate::spectrum::{SpectralBasis, SpectrumError, SpectrumReport};
@@ -18,6 +18,22 @@ use crate::spectrum::{SpectralBasis, SpectrumError, SpectrumReport};
 #[serde(deny_unknown_fields)]
 pub(super) struct LaplacianOptions {
     pub(super) kind: Option<LaplacianKind>,
+    k0: Option<usize>,
+    k: Option<usize>,
+    tau: Option<f64>,
+    iterations: Option<usize>,
+    sigma: Option<f64>,
+}
+
+impl LaplacianOptions {
+    pub(super) fn builder(&self, kind: LaplacianKind) -> LaplacianBuilder<'static> {
+        LaplacianBuilder::new(kind)
+            .initial_neighbours(self.k0)
+            .neighbours(self.k)
+            .ratio(self.tau)
+            .iterations(self.iterations)
+            .sigma(self.sigma)
+    }
 }
 
 #[derive(Deserialize)]

@@ -78,9 +78,9 @@ pub fn laplacian_of_prepared(block: &[u8], options_given: JsValue, listener: &Fu
 }
 
 fn laplacian_of(shape: &Shape, options_given: &JsValue, listener: &Function) -> Result<JsValue, JsValue> {
-    let LaplacianOptions { kind } = options(options_given)?;
-    let kind = kind.unwrap_or_else(|| operators::default_kind(shape));
-    let laplacian = operators::laplacian(shape, kind, &mut progress(listener)).map_err(|e| throw(e.into()))?;
+    let options: LaplacianOptions = options(options_given)?;
+    let kind = options.kind.unwrap_or_else(|| operators::default_kind(shape));
+    let laplacian = options.builder(kind).build(shape, &mut progress(listener)).map_err(|e| throw(e.into()))?;
     laplacian_to_js(&laplacian)
 }
 

@@ -246,6 +246,27 @@ fn wrong_use_ends_with_2_and_what_cannot_be_done_with_1() {
     let matching = ["match", flat, flat, "-o", map.to_str().expect("text")];
     let operator = set.folder.join("l.mtx");
     let operator = ["laplacian", flat, "-o", operator.to_str().expect("text")];
+    let literal = [
+        "--laplacian",
+        "geodesic-literal",
+        "--k0",
+        "6",
+        "--k",
+        "12",
+        "--tau",
+        "2",
+        "--iterations",
+        "2",
+        "--sigma",
+        "0.5",
+    ];
+    assert_eq!(run(&[&operator[..], &literal].concat()).code, Some(0));
+    for wrong in
+        [&["--laplacian", "gaussian", "--tau", "2"][..], &["--laplacian", "euclidean", "--k", "1"], &["--sigma", "1"]]
+    {
+        let ended = run(&[&operator[..], wrong].concat());
+        assert_eq!(ended.code, Some(2), "{wrong:?}: {}", ended.err);
+    }
     for verb in [&matching[..], &["info", flat], &operator] {
         assert_eq!(run(&[verb, &["--points", "3"]].concat()).code, Some(2), "{verb:?}");
         // A GPU runs the network and the match, where it is part of the program.

@@ -118,3 +118,31 @@ fn of_many_pieces_alike_none_is_a_crumb() {
         assert_eq!(shape.info.pieces, 150);
     }
 }
+
+#[test]
+fn vertices_in_no_face_are_unmatched_far_from_the_surface_and_go_with_the_nearest_point_near_it() {
+    let clean = blob(3);
+    let n = clean.points.len();
+    let mut scan = clean.clone();
+    let mut random = Random(4);
+    // Out to twice the body, then a hair above every tenth vertex.
+    scan.points.extend((0..40).map(|_| {
+        let p = [random.sign(), random.sign(), random.sign()];
+        let length = distance(p, [0.0; 3]).max(0.1);
+        p.map(|x| (1.7 + random.unit()) * x / length)
+    }));
+    scan.points.extend(clean.points.iter().step_by(10).map(|p| p.map(|x| 1.002 * x)));
+    let shape = prepared(scan.shape(), &quick());
+    let said = |code: &str| shape.repairs.iter().find(|repair| repair.code == code).map(|repair| repair.count);
+    assert_eq!((said("far-from-surface"), said("crumbs-set-aside")), (Some(40), None));
+    assert_eq!(said("unreferenced-points"), Some(scan.points.len() - n));
+    let other = prepared(clean.moved(turn).shape(), &quick());
+    let found = matched(&shape, &other);
+    let (target, confidence) = (&found.a_to_b.target, &found.a_to_b.confidence);
+    assert!(target[n..n + 40].iter().all(|&t| t == UNMATCHED) && confidence[n..n + 40].iter().all(|&c| c == 0.0));
+    assert!(found.b_to_a.target.iter().all(|&i| !(n..n + 40).contains(&(i as usize))), "nothing goes to them");
+    let near = n + 40;
+    for (i, on_surface) in (near..scan.points.len()).zip((0..n).step_by(10)) {
+        assert_eq!((target[i], confidence[i]), (target[on_surface], confidence[on_surface]));
+    }
+}

@@ -38,6 +38,7 @@ const laplacianWords = {
   geodesic: 'geodesic',
   'geodesic-literal': 'as printed',
   euclidean: 'Euclidean',
+  gaussian: 'Gaussian, traditional',
   cotangent: 'cotangent',
 } as const;
 

@@ -1,49 +1,45 @@
-//! Point-cloud Laplacians: Algorithm 1 as printed, and the density-normalised form that is the default.
+//! Laplacians of point clouds: the paper's traditional one, Algorithm 1 as printed, and the density-normalised form that is the default.
 //!
 //! Paper Sec. 3.2 (Algorithm 1, steps 3 and 4). On all 380 pairs of FAUST scans as clouds the exact map at k = 120 has an error (×100/√area)
 //! of 2.22 with the printed form, 1.38 with density-normalised weights on plain neighbours, and 1.17 with the default: the same on the
 //! graph of Algorithm 1, edges between touching sheets faded. Cotangents of the meshes have 1.02.
 
-use super::quadrics::Quadrics;
-use super::{Laplacian, LaplacianKind, cloud_mass};
-use crate::graph::{EdgeGraph, Neighbours};
+use super::neighbourhood::Neighbourhood;
+use super::quadrics::Sheets;
+use crate::graph::EdgeGraph;
 use crate::vector::squared_distance;
 
-/// Parameters of the Gaussian weights.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GaussianParams {
-    /// k: candidate neighbours of each point (Algorithm 1: 20).
-    pub neighbours: usize,
+/// Weights of undirected edges, `(i, j, w)`.
+pub(super) type Weights = Vec<(u32, u32, f64)>;
+
+/// W = exp(−d²/2σ²): the paper's traditional affinities, with one σ for the cloud.
+pub(super) fn gaussian_weights(graph: &EdgeGraph, sigma: f64) -> Weights {
+    weights_of_one_scale(graph, 2.0 * sigma * sigma)
 }
 
-impl Default for GaussianParams {
-    fn default() -> Self {
-        Self { neighbours: 20 }
-    }
+/// W′ = exp(−d²/2σ²)·exp(−d_g²/2σ²), as printed in Algorithm 1. On a kept edge d_g = d, so this is exp(−d²/σ²).
+pub(super) fn literal_weights(graph: &EdgeGraph, sigma: f64) -> Weights {
+    weights_of_one_scale(graph, sigma * sigma)
 }
 
-/// L̃ = D̃ − W′ with unit mass, as printed. `sigma` is the mean distance to the k nearest neighbours over the cloud.
-///
-/// W′ = exp(−d²/2σ²)·exp(−d_g²/2σ²), and on a kept edge d_g = d, so this is exp(−d²/σ²).
-pub fn literal_laplacian(graph: &EdgeGraph, sigma: f64) -> Laplacian {
-    let inverse = if sigma > 0.0 { 1.0 / (sigma * sigma) } else { 0.0 };
-    let weights = graph.edges().map(|(i, j, d)| (i, j, (-d * d * inverse).exp()));
-    Laplacian::from_weights(LaplacianKind::GeodesicLiteral, vec![1.0; graph.len()], weights)
+/// exp(−d²/scale); among copies of one point, where there is no scale, 1.
+fn weights_of_one_scale(graph: &EdgeGraph, scale: f64) -> Weights {
+    let inverse = if scale > 0.0 { 1.0 / scale } else { 0.0 };
+    graph.edges().map(|(i, j, d)| (i, j, (-d * d * inverse).exp())).collect()
 }
 
 /// Least share of its weight that a point keeps when edges between sheets fade.
 const LEAST_SHARE: f64 = 0.05;
 
 /// Weights exp(−d²/σ_iσ_j) with σ_i the mean distance from i to its own k neighbours, W ← Q⁻¹WQ⁻¹ with Q their row sums
-/// including the point itself (α = 1, so that sampling density drops out in the limit), mass from the neighbourhood
-/// discs.
+/// including the point itself (α = 1, so that sampling density drops out in the limit), for the mass of the neighbourhood.
 ///
 /// Departures from the paper. σ is local, not one for the cloud. Where points lie close, k neighbours end inside a
 /// global kernel, density is underestimated and diffusion slowed by up to a half. On sample bodies whose hands are
 /// sampled twice as densely the first 60 eigenvalues differ from the mesh's by 1.8 % on average instead of 3.0 % (both
 /// with plain disc areas; with the areas of today 1.8 %).
 ///
-/// With `quadrics`, edges between sheets of surface that only touch fade ([`Quadrics`]), and every point gets its row sum
+/// With `sheets`, edges between sheets of surface that only touch fade, and every point gets its row sum
 /// back in equal shares (W ← R^−½ W R^−½, R the share that is left). Algorithm 1 hardly prunes them: a shortcut among
 /// the first k₀ neighbours lets those beside it in. On 16 synthetic bodies with limbs in contact the exact map at k =
 /// 120 has 0.41 instead of 0.56 (×100/√area; 0.12 with cotangents of the mesh), and the first 60 eigenvalues differ
@@ -51,15 +47,13 @@ const LEAST_SHARE: f64 = 0.05;
 ///
 /// The scale makes the Dirichlet energy of the coordinate functions twice the area, as on any surface: Σ_c ∫|∇x_c|² = ∫
 /// tr(tangent projector) = 2·area. It replaces the kernel constant, which truncation at k neighbours spoils.
-pub fn gaussian_laplacian(
-    points: &[[f64; 3]],
+pub(super) fn density_normalised_weights(
+    neighbourhood: &Neighbourhood,
     graph: &EdgeGraph,
-    neighbours: &Neighbours,
-    kind: LaplacianKind,
-    quadrics: Option<&Quadrics>,
-) -> Laplacian {
-    let n = graph.len();
-    let sigma: Vec<f64> = (0..n).map(|i| neighbours.mean_distance_from(i)).collect();
+    sheets: Option<Sheets>,
+) -> Weights {
+    let (points, mass, n) = (neighbourhood.points(), neighbourhood.mass(), graph.len());
+    let sigma: Vec<f64> = (0..n).map(|i| neighbourhood.neighbours().mean_distance_from(i)).collect();
     let kernel = |i: u32, j: u32, d: f64| {
         let scale = sigma[i as usize] * sigma[j as usize];
         // Among copies of one point there is no scale and no distance.
@@ -71,23 +65,22 @@ pub fn gaussian_laplacian(
         density[i as usize] += w;
         density[j as usize] += w;
     }
-    let mass = cloud_mass(points, neighbours);
-    let mut weights: Vec<(u32, u32, f64)> =
+    let mut weights: Weights =
         graph.edges().map(|(i, j, d)| (i, j, kernel(i, j, d) / (density[i as usize] * density[j as usize]))).collect();
-    if let Some(quadrics) = quadrics {
-        fade_between_sheets(&mut weights, quadrics);
+    if let Some(sheets) = sheets {
+        fade_between_sheets(&mut weights, n, sheets);
     }
     let energy: f64 =
         weights.iter().map(|&(i, j, w)| w * squared_distance(points[i as usize], points[j as usize])).sum();
     let scale = if energy > 0.0 { 2.0 * mass.iter().sum::<f64>() / energy } else { 0.0 };
-    Laplacian::from_weights(kind, mass, weights.into_iter().map(|(i, j, w)| (i, j, w * scale)))
+    weights.iter_mut().for_each(|(_, _, w)| *w *= scale);
+    weights
 }
 
-fn fade_between_sheets(weights: &mut [(u32, u32, f64)], quadrics: &Quadrics) {
-    let n = quadrics.len();
+fn fade_between_sheets(weights: &mut [(u32, u32, f64)], n: usize, sheets: Sheets) {
     let (mut before, mut after) = (vec![0.0; n], vec![0.0; n]);
     for (i, j, w) in weights.iter_mut() {
-        let faded = *w * quadrics.factor(*i, *j);
+        let faded = *w * sheets.factor(*i, *j);
         for end in [*i as usize, *j as usize] {
             before[end] += *w;
             after[end] += faded;
