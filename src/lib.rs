@@ -63,12 +63,12 @@ mod write;
 pub use descriptors::{PointFeatures, wave_kernel_signature};
 #[cfg(feature = "gpu")]
 pub use device::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
-pub use device::{Cpu, Device, Fallback};
+pub use device::{Cpu, Device, Fallback, Mask};
 pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
 pub use maps::{Correspondence, FunctionalMap, Matchable, UNMATCHED};
 pub use network::{
-    Embedding, GROUP_OF_PART, GROUPS, Model, ModelConfig, Network, PARTS, PointEmbedding, Position, ShapeInputs,
-    Source, Start, Weights, WeightsError,
+    Embedding, Encoding, GROUP_OF_PART, GROUPS, InputConfig, Model, ModelConfig, Network, Norm, PARTS, PointEmbedding, Position,
+    ShapeInputs, Solver, Source, Start, Statistics, Weights, WeightsError,
 };
 pub use operators::{
     Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,

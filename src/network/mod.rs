@@ -1,6 +1,7 @@
 //! The network: what it sees of a shape, its layers, its weights, and the parts of the body that it knows.
 
 mod attention;
+mod batch_norm;
 mod category;
 mod config;
 mod diffusion_net;
@@ -14,7 +15,8 @@ mod weights;
 
 pub(crate) use category::meeting;
 pub use category::{GROUP_OF_PART, GROUPS, PARTS};
-pub use config::{ModelConfig, Position};
+pub use batch_norm::Statistics;
+pub use config::{Encoding, InputConfig, ModelConfig, Norm, Position, Solver};
 pub use inputs::{ShapeInputs, weyl_factor};
 #[cfg(feature = "train")]
 pub(crate) use model::PRIOR;

@@ -43,7 +43,7 @@ pub(super) async fn best_maps<D: Device>(
     let mut candidates = Vec::new();
     let mut out_of_distribution = None;
     if let (Some(of_a), Some(of_b)) = (&a.embedding, &b.embedding)
-        && [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.features)
+        && [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.feature_columns())
     {
         let soft = masks(options.parts, of_a, of_b, parts);
         let learned = learned_maps(model, [(side_a, of_a), (side_b, of_b)], &soft, known).await?;

@@ -10,7 +10,7 @@ use super::geometry::Geometry;
 use super::{Error, FaceUse, Info, PrepareOptions, PreparedShape, ShapeKind};
 use crate::device::{Device, Interrupted, still_well};
 use crate::graph::components;
-use crate::network::{Model, PointEmbedding, Position, ShapeInputs, meeting};
+use crate::network::{InputConfig, Model, PARTS, PointEmbedding, ShapeInputs, meeting};
 use crate::operators::{self, Laplacian, LaplacianKind, gradient};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::registration::COARSE;
@@ -45,6 +45,8 @@ pub async fn prepare_with<D: Device>(
     let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
     let laplacian = by_default.then_some(laplacian);
     let parts = ask(model, &mut prepared, &operator_shape, 0.2..0.4, progress).await?;
+    // Which parts meet is known of people's alone.
+    let laplacian = laplacian.filter(|_| parts.ncols() == PARTS.len());
     if let Some(edges) = laplacian.and_then(|laplacian| edges_between_limbs(&laplacian, &parts)) {
         // A graph and a spectrum again, but for who listens no stage comes twice.
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
@@ -93,11 +95,10 @@ async fn ask<D: Device>(
     progress: &mut Progress<'_>,
 ) -> Result<Array2<f32>, Error> {
     progress.at(Stage::Features, share.start)?;
-    let config = &model.weights().config;
     let inputs = {
         // Gradients take a graph again, but for who listens no stage comes twice.
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
-        network_inputs(prepared, operator_shape, config.eigenpairs, config.position, &mut within)
+        network_inputs(prepared, operator_shape, &model.weights().config.input(), &mut within)
             .map_err(|_| Cancelled { stage: Stage::Features })?
     };
     progress.at(Stage::Features, share.end)?;
@@ -210,17 +211,16 @@ pub(crate) fn prepare_with_shape(
     Ok((prepared, operator_shape, laplacian))
 }
 
-/// What the network sees of a prepared shape, whose operators were built on `operator_shape`; k eigenpairs.
+/// What a network sees of a prepared shape, whose operators were built on `operator_shape`.
 pub(crate) fn network_inputs(
     prepared: &PreparedShape,
     operator_shape: &Shape,
-    k: usize,
-    position: Position,
+    config: &InputConfig,
     progress: &mut Progress,
 ) -> Result<ShapeInputs, Cancelled> {
     let matchable = prepared.matchable();
     let gradient = gradient(operator_shape, progress)?;
-    let k = k.min(prepared.basis.k());
+    let k = config.eigenpairs.min(prepared.basis.k());
     let unit_area = prepared.basis.mass.sum();
     let rows: Vec<usize> = match &prepared.support.used {
         Some(used) => used.iter().map(|&carrier| carrier as usize).collect(),
@@ -239,7 +239,7 @@ pub(crate) fn network_inputs(
         out
     });
     let [along, across] = &gradients;
-    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), k, position))
+    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), config))
 }
 
 /// Points that carry surface: of a mesh those that belong to a face, of a cloud one at each place, because copies would take the
