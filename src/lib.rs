@@ -67,8 +67,8 @@ pub use device::{Cpu, Device, Fallback, Mask};
 pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
 pub use maps::{Correspondence, FunctionalMap, Matchable, UNMATCHED};
 pub use network::{
-    Embedding, Encoding, GROUP_OF_PART, GROUPS, InputConfig, Model, ModelConfig, Network, Norm, PARTS, PointEmbedding, Position,
-    ShapeInputs, Solver, Source, Start, Statistics, Weights, WeightsError,
+    Embedding, Encoding, GROUP_OF_PART, GROUPS, InputConfig, Model, ModelConfig, Network, Norm, PARTS, PointEmbedding,
+    Position, ShapeInputs, Solver, Source, Start, Statistics, Weights, WeightsError,
 };
 pub use operators::{
     Frame, GaussianParams, Gradient, Laplacian, LaplacianKind, OperatorError, gradient, laplacian, normals,

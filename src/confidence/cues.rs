@@ -61,9 +61,11 @@ impl Cues {
                 }
             }
         }
+        // Limbs are people's.
+        let parts = own.parts.as_ref().filter(|parts| parts.ncols() == PARTS.len());
         for (limb, name) in LIMBS.iter().enumerate() {
             let both = (0..PARTS.len()).filter(|&part| PARTS[part].ends_with(name));
-            for (part, probabilities) in both.filter_map(|part| Some((part, own.parts.as_ref()?))) {
+            for (part, probabilities) in both.filter_map(|part| Some((part, parts?))) {
                 let mut column = table.column_mut(STEPS.len() * SIGNS + limb);
                 column.zip_mut_with(&probabilities.column(part), |sum, &probability| *sum += f64::from(probability));
             }
@@ -73,7 +75,7 @@ impl Cues {
             let kind = prior.column(usize::from(!meshes));
             table.column_mut(CUES - 1).zip_mut_with(&kind, |cue, &prior| *cue = f64::from(prior));
         }
-        Self { table, registered: registered.is_some(), meshes, parts: own.parts.is_some() }
+        Self { table, registered: registered.is_some(), meshes, parts: parts.is_some() }
     }
 }
 

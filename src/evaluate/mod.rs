@@ -3,7 +3,7 @@
 
 mod calibration;
 mod cores;
-mod dataset;
+pub(crate) mod dataset;
 mod error;
 mod interval;
 mod oracle;
@@ -15,8 +15,8 @@ pub mod refit;
 mod report;
 mod rotation;
 mod ruler;
-mod selection;
-mod table;
+pub(crate) mod selection;
+pub(crate) mod table;
 mod truth;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,7 +27,7 @@ use std::time::Instant;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use crate::network::Model;
+use crate::network::{Model, PARTS};
 use crate::pipeline::Error;
 use crate::pipeline::PreparedShape;
 use crate::pipeline::{FaceUse, MatchOptions, Parts, PrepareOptions};
@@ -303,7 +303,14 @@ fn part_iou(set: &DataSet, name: &str, shape: &PreparedShape) -> Result<Option<f
     let Some(Labelled { names, labels: given }) = set.labels_if_any(name, shape.shape.points().len())? else {
         return Ok(None);
     };
-    let (Some(predicted), Some(classes)) = (shape.predicted_parts(), class_of_parts(&names)) else { return Ok(None) };
+    let known = shape.embedding.as_ref().map(|embedding| embedding.parts.ncols());
+    // Parts of weights that were trained on such labels are the set's own.
+    let classes: Option<Vec<u32>> = match known {
+        Some(count) if count == PARTS.len() => class_of_parts(&names).map(|classes| classes.to_vec()),
+        Some(count) if count == names.len() => Some((0..count as u32).collect()),
+        _ => None,
+    };
+    let (Some(predicted), Some(classes)) = (shape.predicted_parts(), classes) else { return Ok(None) };
     let predicted: Vec<u32> = predicted.into_iter().map(|part| classes[part as usize]).collect();
     Ok(Some(part_scores(&predicted, &given, &shape.point_areas()).mean_iou))
 }

@@ -101,7 +101,9 @@ pub async fn learned_maps<D: Device>(
                     FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b),
                     FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a),
                 ],
-                Solver::LeastSquares => [FunctionalMap::least_squares(g_a, g_b), FunctionalMap::least_squares(g_b, g_a)],
+                Solver::LeastSquares => {
+                    [FunctionalMap::least_squares(g_a, g_b), FunctionalMap::least_squares(g_b, g_a)]
+                }
             };
             MapPair { c_ab: c_ab.matrix, c_ba: c_ba.matrix }
         }

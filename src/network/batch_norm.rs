@@ -63,9 +63,8 @@ impl<T> Points<T> {
 impl<T> BatchNorm<T> {
     /// Over `channels`.
     pub(super) fn new(source: &mut impl Source<T>, name: &str, channels: usize) -> Result<Self, WeightsError> {
-        let mut row = |part: &str, start| {
-            source.tensor(&format!("{name}.{part}"), [1, channels], Start::Constant(start))
-        };
+        let mut row =
+            |part: &str, start| source.tensor(&format!("{name}.{part}"), [1, channels], Start::Constant(start));
         Ok(Self {
             gain: row("gain", 1.0)?,
             bias: row("bias", 0.0)?,

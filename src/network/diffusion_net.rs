@@ -95,8 +95,7 @@ impl<T> DiffusionBlock<T> {
                 }
             };
             // Gradients are of what comes out of diffusion, and so of what was normalised.
-            coefficients =
-                smooth.iter().zip(shapes).map(|(s, shape)| device.matmul_tn(&shape.projector, s)).collect();
+            coefficients = smooth.iter().zip(shapes).map(|(s, shape)| device.matmul_tn(&shape.projector, s)).collect();
         }
         let of_shape = |i: usize| {
             let (x, y, smooth, coefficients, shape) = (&x[i], &y[i], &smooth[i], &coefficients[i], shapes[i]);

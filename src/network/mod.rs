@@ -13,9 +13,9 @@ mod moments;
 mod network;
 mod weights;
 
+pub use batch_norm::Statistics;
 pub(crate) use category::meeting;
 pub use category::{GROUP_OF_PART, GROUPS, PARTS};
-pub use batch_norm::Statistics;
 pub use config::{Encoding, InputConfig, ModelConfig, Norm, Position, Solver};
 pub use inputs::{ShapeInputs, weyl_factor};
 #[cfg(feature = "train")]

@@ -119,6 +119,9 @@ const SEEN: f32 = 0.005;
 
 /// Says so when given labels name other parts on one body than on the other, by the parts (p, c) that the network predicts at the points with those labels.
 pub(crate) fn labelled_otherwise(labels: [&[u32]; 2], predicted: [&Array2<f32>; 2]) -> Option<String> {
+    if predicted[0].ncols() != PARTS.len() {
+        return None;
+    }
     let [on_a, on_b] = [0, 1].map(|side| labels_of_parts(labels[side], predicted[side]));
     let otherwise = PARTS.iter().zip(on_a.iter().zip(&on_b)).filter(|(_, (on_a, on_b))| {
         let alike = |(label, share): (&u32, &f32)| share.min(*on_b.get(label).unwrap_or(&0.0));
