@@ -63,12 +63,12 @@ mod write;
 pub use descriptors::{PointFeatures, wave_kernel_signature};
 #[cfg(feature = "gpu")]
 pub use device::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
-pub use device::{Cpu, Device, Fallback};
+pub use device::{Cpu, Device, Fallback, Mask};
 pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
 pub use maps::{Correspondence, FunctionalMap, LearnedCues, Matchable, UNMATCHED};
 pub use network::{
-    Category, Embedding, Model, ModelConfig, Network, Part, PointEmbedding, Position, ShapeInputs, Source, Start,
-    Thresholds, TrainedNetwork, Weights, WeightsError, WeightsId,
+    Category, Embedding, Encoding, InputConfig, Model, ModelConfig, Network, Norm, Part, PointEmbedding, Position,
+    ShapeInputs, Solver, Source, Start, Statistics, Thresholds, TrainedNetwork, Weights, WeightsError, WeightsId,
 };
 pub use operators::{
     EdgeFilter, Frame, Gradient, Laplacian, LaplacianBuilder, LaplacianKind, Mass, Neighbourhood, OperatorError,

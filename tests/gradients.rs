@@ -4,7 +4,7 @@
 use candle_core::{Tensor, Var};
 use geose_fmap::train::device::{Autodiff, matrix, tensor};
 use geose_fmap::train::losses::{LossWeights, Side, losses, one_hot};
-use geose_fmap::{Cpu, Device};
+use geose_fmap::{Cpu, Device, Mask, Solver};
 use ndarray::Array2;
 
 /// Smooth, without symmetry, of size about 1.
@@ -74,8 +74,21 @@ fn ops_have_the_gradients_that_differences_find() {
     check("gather", &[values(5, 4, 1)], |x| d.gather(&x[0], &vec![3, 3, 0]));
     let parts = |n, seed| d.softmax_rows(&tensor(values(n, 3, seed).view()));
     check("attend", &[values(6, 4, 1), values(5, 4, 2), values(5, 3, 3)], |x| {
-        d.attend((&x[0], &parts(6, 4)), (&x[1], &parts(5, 5)), &x[2])
+        d.attend((&x[0], &parts(6, 4)), (&x[1], &parts(5, 5)), &x[2], Mask::Soft)
     });
+    // The last query is of a part that no key has.
+    let one_part = |n: usize, last| {
+        tensor(one_hot(&(0..n).map(|i| if i == 5 { last } else { i as u32 % 2 }).collect::<Vec<_>>(), 3).view())
+    };
+    check("attend within parts", &[values(6, 4, 1), values(5, 4, 2), values(5, 3, 3)], |x| {
+        d.attend((&x[0], &one_part(6, 2)), (&x[1], &one_part(5, 0)), &x[2], Mask::Hard)
+    });
+    let statistics = [values(1, 4, 4), values(1, 4, 5).mapv(|v| v * v + 0.3)];
+    check(
+        "batch_norm",
+        &[values(5, 4, 1), values(1, 4, 2), values(1, 4, 3), statistics[0].clone(), statistics[1].clone()],
+        |x| d.batch_norm(&x[0], (&x[3], &x[4]), &x[1], &x[2]),
+    );
     check("solve_rows", &[values(4, 7, 1), values(5, 4, 2)], |x| {
         let mask = values(5, 4, 3).mapv(f32::abs);
         d.solve_rows(&d.matmul_nt(&x[0], &x[0]), &x[1], &tensor(mask.view()))
@@ -138,7 +151,7 @@ fn losses_have_the_gradients_that_differences_find() {
                 lambda: &lambda,
                 places: Some(&places[i]),
             });
-            let terms = losses(&weights, &a, &b, true).unwrap();
+            let terms = losses(&weights, Solver::Masked, &a, &b, true).unwrap();
             assert_eq!(terms.len(), 1, "{name} alone");
             terms[0].2.clone()
         });
@@ -178,7 +191,12 @@ fn training_computes_what_the_cpu_computes() {
     same("cross_pairs", Cpu.cross_pairs(&three), d.cross_pairs(&tensor(three.view())));
     let (p, q) = (Cpu.softmax_rows(&x), Cpu.softmax_rows(&y));
     let (tp, tq) = (tensor(p.view()), tensor(q.view()));
-    same("attend", Cpu.attend((&x, &p), (&y, &q), &y), d.attend((&tx, &tp), (&ty, &tq), &ty));
+    for mask in [Mask::Soft, Mask::Hard] {
+        same("attend", Cpu.attend((&x, &p), (&y, &q), &y, mask), d.attend((&tx, &tp), (&ty, &tq), &ty, mask));
+    }
+    let variance = bias.mapv(|v| v * v + 0.1);
+    let tv = tensor(variance.view());
+    same("batch_norm", Cpu.batch_norm(&x, (&gain, &variance), &bias, &gain), d.batch_norm(&tx, (&tg, &tv), &tb, &tg));
     let gram = Cpu.matmul_tn(&x, &x);
     let mask = y.mapv(f32::abs);
     same("solve_rows", Cpu.solve_rows(&gram, &y, &mask), d.solve_rows(&tensor(gram.view()), &ty, &tensor(mask.view())));

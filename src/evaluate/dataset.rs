@@ -9,7 +9,7 @@ use crate::shape::Shape;
 
 /// An evaluation set, by its folder.
 #[derive(Clone)]
-pub(super) struct DataSet {
+pub(crate) struct DataSet {
     folder: PathBuf,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Labelled {
 
 impl DataSet {
     /// The set in `folder`, which must have shapes.
-    pub(super) fn open(folder: &Path) -> Result<Self, EvaluationError> {
+    pub(crate) fn open(folder: &Path) -> Result<Self, EvaluationError> {
         let unreadable = |path: &Path, e: std::io::Error| EvaluationError::unreadable(path, e);
         let folder = folder.canonicalize().map_err(|e| unreadable(folder, e))?;
         let set = Self { folder };
@@ -31,8 +31,14 @@ impl DataSet {
         Ok(set)
     }
 
+    /// The folder, as an absolute path.
+    #[cfg(feature = "train")]
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The folder's own name.
-    pub(super) fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         self.folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
     }
 
@@ -42,7 +48,7 @@ impl DataSet {
     }
 
     /// Pairs `A B` of `file`, or of the set's own list; a set without a list has none.
-    pub(super) fn pairs(&self, file: Option<&Path>) -> Result<Vec<[String; 2]>, EvaluationError> {
+    pub(crate) fn pairs(&self, file: Option<&Path>) -> Result<Vec<[String; 2]>, EvaluationError> {
         let own = self.folder.join("pairs.txt");
         if file.is_none() && !own.exists() {
             return Ok(Vec::new());
@@ -63,13 +69,13 @@ impl DataSet {
     }
 
     /// All shapes, by name.
-    pub(super) fn shapes(&self) -> Result<Vec<String>, EvaluationError> {
+    pub(crate) fn shapes(&self) -> Result<Vec<String>, EvaluationError> {
         let names = names(&self.folder.join("shapes"))?;
         Ok(names.iter().filter_map(|name| Some(name.strip_suffix(".off")?.to_owned())).collect())
     }
 
     /// A shape as its file has it.
-    pub(super) fn shape(&self, name: &str) -> Result<Shape, EvaluationError> {
+    pub(crate) fn shape(&self, name: &str) -> Result<Shape, EvaluationError> {
         let path = self.shape_file(name);
         read(&self.shape_bytes(name)?, Some("shape.off"), None).map_err(|e| EvaluationError::unreadable(&path, e))
     }
@@ -96,7 +102,7 @@ impl DataSet {
     }
 
     /// The part of each of a shape's `points`.
-    pub(super) fn labels(&self, name: &str, points: usize) -> Result<Vec<u32>, EvaluationError> {
+    pub(crate) fn labels(&self, name: &str, points: usize) -> Result<Vec<u32>, EvaluationError> {
         let path = self.folder.join("labels").join(format!("{name}.txt"));
         if !path.exists() {
             let sentence = format!("parts are to be as given, but {} has no labels for {name}", self.name());
@@ -119,7 +125,8 @@ impl DataSet {
         Ok(Some(Labelled { names: self.part_names()?, labels: self.labels(name, points)? }))
     }
 
-    fn part_names(&self) -> Result<Vec<String>, EvaluationError> {
+    /// Names of the parts; a label is an index here.
+    pub(crate) fn part_names(&self) -> Result<Vec<String>, EvaluationError> {
         let path = self.folder.join("labels.json");
         let problem =
             |e| EvaluationError::unreadable(&path, format!("a list of the parts' names must stand here: {e}"));

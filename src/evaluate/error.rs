@@ -62,15 +62,15 @@ impl EvaluationError {
         Self::Unreadable { path: path.to_owned(), reason: reason.to_string() }
     }
 
-    pub(super) fn malformed(path: &Path, line: usize, problem: String) -> Self {
+    pub(crate) fn malformed(path: &Path, line: usize, problem: String) -> Self {
         Self::Malformed { path: path.to_owned(), line, problem }
     }
 
-    pub(super) fn misfit(path: &Path, problem: String) -> Self {
+    pub(crate) fn misfit(path: &Path, problem: String) -> Self {
         Self::Misfit { path: path.to_owned(), problem }
     }
 
-    pub(super) fn method(on: impl Into<String>, error: impl Into<Error>) -> Self {
+    pub(crate) fn method(on: impl Into<String>, error: impl Into<Error>) -> Self {
         Self::Method { on: on.into(), error: error.into() }
     }
 }

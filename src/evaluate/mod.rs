@@ -3,7 +3,7 @@
 
 mod calibration;
 mod cores;
-mod dataset;
+pub(crate) mod dataset;
 mod error;
 mod interval;
 mod oracle;
@@ -15,8 +15,8 @@ pub mod refit;
 mod report;
 mod rotation;
 mod ruler;
-mod selection;
-mod table;
+pub(crate) mod selection;
+pub(crate) mod table;
 mod truth;
 
 use std::collections::{BTreeMap, BTreeSet};

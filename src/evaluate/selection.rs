@@ -12,7 +12,7 @@ pub(super) fn select<T>(mut items: Vec<T>, line: impl Fn(&T) -> String, limit: O
 
 /// Where a line stands: its FNV-1a hash, finalised. By the hash as it is, lines that differ in their last letters alone stay together, as those letters
 /// hardly reach its upper bits: 40 pairs of a grid of 20 shapes came from 3 of them.
-fn rank(line: &str) -> u64 {
+pub(crate) fn rank(line: &str) -> u64 {
     fmix64(fnv1a_64(line.as_bytes()))
 }
 

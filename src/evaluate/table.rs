@@ -6,12 +6,12 @@ use std::path::Path;
 use super::EvaluationError;
 
 /// A file's text.
-pub(super) fn text(path: &Path) -> Result<String, EvaluationError> {
+pub(crate) fn text(path: &Path) -> Result<String, EvaluationError> {
     std::fs::read_to_string(path).map_err(|e| EvaluationError::unreadable(path, e))
 }
 
 /// The words of every line, the empty ones at the end left out. `shape` says what a line must hold, for the complaint.
-pub(super) fn rows<'t, const N: usize>(
+pub(crate) fn rows<'t, const N: usize>(
     path: &Path,
     text: &'t str,
     shape: &str,

@@ -5,6 +5,7 @@ use faer::{Mat, Side};
 use ndarray::{Array2, ArrayView1, ArrayView2};
 
 use crate::device::{Device, solve_rows_wide};
+use crate::network::Solver;
 
 /// C_ab: coefficients on A → coefficients on B. Shape (k_b, k_a).
 #[derive(Clone, Debug, PartialEq)]
@@ -29,26 +30,42 @@ impl FunctionalMap {
         lambda_a: ArrayView1<f64>,
         lambda_b: ArrayView1<f64>,
     ) -> Self {
+        Self::penalised(g_a, g_b, resolvent_mask(lambda_a, lambda_b))
+    }
+
+    /// C_ab from descriptors as printed (paper Sec. 3.3): min ‖C G_a − G_b‖², and of what no descriptor sees nothing. Arguments as for [`Self::solve`].
+    pub fn least_squares(g_a: ArrayView2<f64>, g_b: ArrayView2<f64>) -> Self {
+        Self::penalised(g_a, g_b, Array2::zeros((g_b.nrows(), g_a.nrows())))
+    }
+
+    fn penalised(g_a: ArrayView2<f64>, g_b: ArrayView2<f64>, mask: Array2<f64>) -> Self {
         let gram = g_a.dot(&g_a.t());
         let scale = gram.diag().sum() / g_a.nrows() as f64;
         let scale = if scale > 0.0 { scale } else { 1.0 };
         let right = g_b.dot(&g_a.t());
-        let mask = resolvent_mask(lambda_a, lambda_b);
         Self { matrix: solve_rows_wide((gram / scale).view(), (right / scale).view(), mask.view(), RIDGE) }
     }
 }
 
 /// C_ab and C_ba on a device, from descriptors `g` projected on the bases of A and B (k, c) that come from features of unit length at unit area: their Gram
 /// matrix has trace 1, or a little less, so that k times it has mean diagonal 1. `lambda` are the eigenvalues by Weyl's law, λ_j ≈ 4πj. The same in training
-/// and in matching.
-pub fn functional_maps<D: Device>(device: &D, [g_a, g_b]: [&D::Tensor; 2], lambda: [&[f64]; 2]) -> [D::Tensor; 2] {
-    let solve = |from: &D::Tensor, to: &D::Tensor, lambda_from: &[f64], lambda_to: &[f64]| {
+/// and in matching. Least squares keep a ridge of 1e-6 mean diagonals, above the rounding of a Gram matrix in f32.
+pub fn functional_maps<D: Device>(
+    device: &D,
+    [g_a, g_b]: [&D::Tensor; 2],
+    lambda: [&[f64]; 2],
+    solve: Solver,
+) -> [D::Tensor; 2] {
+    let map = |from: &D::Tensor, to: &D::Tensor, lambda_from: &[f64], lambda_to: &[f64]| {
         let scaled = device.concat(&[(from, lambda_from.len() as f32)]);
-        let mask = resolvent_mask(ArrayView1::from(lambda_from), ArrayView1::from(lambda_to));
+        let mask = match solve {
+            Solver::Masked => resolvent_mask(ArrayView1::from(lambda_from), ArrayView1::from(lambda_to)),
+            Solver::LeastSquares => Array2::zeros((lambda_to.len(), lambda_from.len())),
+        };
         let mask = device.upload(mask.mapv(|v| v as f32).view());
         device.solve_rows(&device.matmul_nt(from, &scaled), &device.matmul_nt(to, &scaled), &mask)
     };
-    [solve(g_a, g_b, lambda[0], lambda[1]), solve(g_b, g_a, lambda[1], lambda[0])]
+    [map(g_a, g_b, lambda[0], lambda[1]), map(g_b, g_a, lambda[1], lambda[0])]
 }
 
 /// Distance between the resolvents of two operators, entry by entry: small near the (slanted) diagonal. Shape (k_b, k_a).

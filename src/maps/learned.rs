@@ -5,11 +5,9 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis, concatenate, s};
 use super::functional_map::{FunctionalMap, functional_maps};
 use super::{MapPair, Matchable};
 use crate::device::{Device, Interrupted, still_well};
-use crate::network::{PointEmbedding, Thresholds, TrainedNetwork, weyl_factor};
+use crate::network::{PointEmbedding, Solver, Thresholds, TrainedNetwork, weyl_factor};
 use crate::progress::Stage;
 
-/// Basis size of the first maps, as in training.
-const FIRST: usize = 60;
 /// Key points that a point of the other shape looks at.
 const KEYS: usize = 1024;
 /// Weights of features of unit length and of roots of probabilities beside spectral columns and positions.
@@ -51,7 +49,7 @@ impl OutOfDistribution {
 
 /// What the network makes of a pair.
 pub struct Learned<T> {
-    /// The first maps, of k = 60.
+    /// The first maps, of as many eigenfunctions as in training.
     pub maps: MapPair,
     /// How far they can be trusted.
     pub out_of_distribution: OutOfDistribution,
@@ -70,16 +68,10 @@ pub async fn learned_maps<D: Device>(
     let network = trained.network();
     let sides = [(a, of_a, mask_a), (b, of_b, mask_b)];
     let on = sides.map(|(_, e, mask)| (device.upload(e.features.view()), device.upload(mask.view())));
-    let keys = [0, 1].map(|side: usize| {
-        let coarse = &sides[side].0.coarse;
-        let rows = device.upload_indices(&coarse[..KEYS.min(coarse.len())]);
-        (device.gather(&on[side].0, &rows), device.gather(&on[side].1, &rows))
-    });
-    let compared = [0, 1].map(|side: usize| {
-        let (own, other) = (&on[side], &keys[1 - side]);
-        network.compare(device, (&own.0, &own.1), (&other.0, &other.1))
-    });
-    let k = FIRST.min(a.basis.k()).min(b.basis.k());
+    let keys = sides.map(|(m, ..)| device.upload_indices(&m.coarse[..KEYS.min(m.coarse.len())]));
+    let compared = network.compare(device, [0, 1].map(|side: usize| (&on[side].0, &on[side].1, &keys[side])));
+    let solve = network.config.solve;
+    let k = network.config.map.min(a.basis.k()).min(b.basis.k());
     let projected = [(a, &compared[0]), (b, &compared[1])].map(|(m, features)| {
         let projector = m.basis.eigenvectors.slice(s![.., ..k]).to_owned() * m.basis.mass.view().insert_axis(Axis(1));
         device.matmul_tn(&device.upload(projector.mapv(|v| v as f32).view()), features)
@@ -88,9 +80,9 @@ pub async fn learned_maps<D: Device>(
         let weyl = weyl_factor(&m.basis);
         m.basis.eigenvalues.iter().take(k).map(|l| l / weyl).collect::<Vec<f64>>()
     });
-    let [c_ab, c_ba] = functional_maps(device, [&projected[0], &projected[1]], [&lambda[0], &lambda[1]]);
+    let [c_ab, c_ba] = functional_maps(device, [&projected[0], &projected[1]], [&lambda[0], &lambda[1]], solve);
     // Side by side they come down together.
-    let width = network.config.features;
+    let width = network.config.feature_columns();
     let beside = device.concat(&[(&c_ab, 1.0), (&c_ba, 1.0), (&projected[0], 1.0), (&projected[1], 1.0)]);
     let down = device.download(&beside).await.mapv(f64::from);
     still_well(device, Stage::FunctionalMap)?;
@@ -110,10 +102,17 @@ pub async fn learned_maps<D: Device>(
             };
             let (g_a, g_b) = (joined(0, known_a), joined(1, known_b));
             let [lambda_a, lambda_b] = [ArrayView1::from(&lambda[0]), ArrayView1::from(&lambda[1])];
-            MapPair {
-                c_ab: FunctionalMap::solve(g_a.view(), g_b.view(), lambda_a, lambda_b).matrix,
-                c_ba: FunctionalMap::solve(g_b.view(), g_a.view(), lambda_b, lambda_a).matrix,
-            }
+            let [g_a, g_b] = [g_a.view(), g_b.view()];
+            let [c_ab, c_ba] = match solve {
+                Solver::Masked => [
+                    FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b),
+                    FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a),
+                ],
+                Solver::LeastSquares => {
+                    [FunctionalMap::least_squares(g_a, g_b), FunctionalMap::least_squares(g_b, g_a)]
+                }
+            };
+            MapPair { c_ab: c_ab.matrix, c_ba: c_ba.matrix }
         }
         None => maps,
     };

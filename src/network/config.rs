@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Everything that decides which tensors a network has and what is done with them. Travels in the header of a weights file.
+use super::inputs::encoded_channels;
+use crate::device::Mask;
+
+/// Everything that decides which tensors a network has and what is done with them. Travels in the header of a weights file, where what is left out is as in the
+/// network that ships.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelConfig {
@@ -14,12 +18,50 @@ pub struct ModelConfig {
     pub eigenpairs: usize,
     /// Moments per block; 0 leaves them out, as the paper does, and with them all that tells left from right.
     pub moments: usize,
-    /// Features per point.
+    /// Features per point that the DiffusionNet gives, the paper's d.
     pub features: usize,
-    /// How positions enter.
+    /// What the position encoding acts on.
     pub position: Position,
+    /// Where the position encoding joins.
+    #[serde(default)]
+    pub encoding: Encoding,
+    /// What is normalised.
+    #[serde(default)]
+    pub norm: Norm,
     /// Width of the part-aware attention; 0 leaves it out.
     pub attention: usize,
+    /// Layers of attention, each added to what it was given.
+    #[serde(default = "one_layer")]
+    pub attention_layers: usize,
+    /// How attention keeps to parts.
+    #[serde(default)]
+    pub mask: Mask,
+    /// How functional maps are solved for.
+    #[serde(default)]
+    pub solve: Solver,
+    /// Eigenfunctions k of the functional maps, in training and of the first maps in matching.
+    #[serde(default = "shipped_map")]
+    pub map: usize,
+}
+
+fn one_layer() -> usize {
+    1
+}
+
+fn shipped_map() -> usize {
+    60
+}
+
+/// What of a shape a network is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InputConfig {
+    /// See [`ModelConfig::eigenpairs`].
+    pub eigenpairs: usize,
+    /// See [`ModelConfig::position`].
+    pub position: Position,
+    /// See [`ModelConfig::encoding`].
+    #[serde(default)]
+    pub encoding: Encoding,
 }
 
 /// What the position encoding ψ (paper Sec. 3.3) acts on.
@@ -32,6 +74,41 @@ pub enum Position {
     Literal,
 }
 
+/// Where the position encoding ψ joins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Encoding {
+    /// It is among the channels that the DiffusionNet sees.
+    #[default]
+    Input,
+    /// It is concatenated with the DiffusionNet's features F before attention, H = F‖ψ(P) (paper Sec. 3.3), and the DiffusionNet sees the heat kernel
+    /// signature alone. Read so that d is the width of F, as printed: attention, and what is projected on the bases after it, has d + d' columns.
+    Features,
+}
+
+/// What is normalised in the DiffusionNet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Norm {
+    /// Each point over its channels, before every block.
+    #[default]
+    Layer,
+    /// Each channel over the points, after every diffusion (paper Sec. 3.3), and nothing else: in training by the points of the step, in matching by the
+    /// running mean and variance that come with the weights.
+    Batch,
+}
+
+/// How a functional map is solved for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Solver {
+    /// Least squares with a penalty away from the slanted diagonal; see [`crate::maps::FunctionalMap::solve`].
+    #[default]
+    Masked,
+    /// Least squares, as printed (paper Sec. 3.3).
+    LeastSquares,
+}
+
 impl ModelConfig {
     /// The network that ships.
     pub fn shipped() -> Self {
@@ -42,11 +119,22 @@ impl ModelConfig {
             moments: 16,
             features: 128,
             position: Position::Invariant,
+            encoding: Encoding::Input,
+            norm: Norm::Layer,
             attention: 64,
+            attention_layers: one_layer(),
+            mask: Mask::Soft,
+            solve: Solver::Masked,
+            map: shipped_map(),
         }
     }
 
-    /// The paper's: d = 256, k = 120, literal positions, nothing that sees chirality but those.
+    /// The paper's (Sec. 3.3 and 4.1): d = 256, k = 120, batch normalisation after each diffusion, literal positions that join before attention, attention kept
+    /// to parts by −∞, maps by least squares, nothing that sees chirality but the positions.
+    ///
+    /// Not said in the paper and chosen here: 4 blocks of width 256, as DiffusionNet has them; sinusoidal ψ with d' = 18; two attention layers ("multiple")
+    /// of width 256. A departure: attention looks at a sampling of the other shape (1024 points in matching, 512 in training) and not at all
+    /// of its points, whose scores training would have to hold.
     pub fn paper() -> Self {
         Self {
             width: 256,
@@ -55,7 +143,39 @@ impl ModelConfig {
             moments: 0,
             features: 256,
             position: Position::Literal,
+            encoding: Encoding::Features,
+            norm: Norm::Batch,
             attention: 256,
+            attention_layers: 2,
+            mask: Mask::Hard,
+            solve: Solver::LeastSquares,
+            map: 120,
         }
+    }
+
+    /// What of a shape it is given.
+    pub fn input(&self) -> InputConfig {
+        InputConfig { eigenpairs: self.eigenpairs, position: self.position, encoding: self.encoding }
+    }
+
+    /// Columns of the features that attention sees and that are projected on the bases: those of the DiffusionNet, and ψ where it joins there.
+    pub fn feature_columns(&self) -> usize {
+        match self.encoding {
+            Encoding::Input => self.features,
+            Encoding::Features => self.features + encoded_channels(self.position),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ModelConfig;
+
+    #[test]
+    fn a_header_from_before_the_paper_could_be_chosen_is_that_of_the_network_that_ships() {
+        let header = r#"{"width":96,"blocks":4,"eigenpairs":64,"moments":16,"features":128,"position":"invariant","attention":64}"#;
+        assert_eq!(serde_json::from_str::<ModelConfig>(header).expect("a header"), ModelConfig::shipped());
+        let paper = serde_json::to_string(&ModelConfig::paper()).expect("JSON");
+        assert_eq!(serde_json::from_str::<ModelConfig>(&paper).expect("a header"), ModelConfig::paper());
     }
 }

@@ -1,8 +1,8 @@
 //! What the network sees of a shape.
 
-use ndarray::{Array2, ArrayView2, Axis, s};
+use ndarray::{Array2, ArrayView1, ArrayView2, ArrayViewMut1, Axis, s};
 
-use super::Position;
+use super::{Encoding, InputConfig, Position};
 use crate::descriptors::heat_kernel_signature;
 use crate::device::Device;
 use crate::spectrum::SpectralBasis;
@@ -19,7 +19,7 @@ const WEYL: std::ops::Range<usize> = 16..64;
 /// A shape of unit area as the network sees it, n points and k eigenfunctions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeInputs {
-    /// Channels per point (n, c), invariant under rotation unless positions are literal.
+    /// Channels per point (n, c) that the DiffusionNet sees, invariant under rotation unless literal positions are among them.
     pub channels: Array2<f32>,
     /// Positions (n, 3), centred, in √area.
     pub points: Array2<f32>,
@@ -33,27 +33,52 @@ pub struct ShapeInputs {
     pub gradients: [Array2<f32>; 2],
     /// λ (k, 1), scaled so that λ_j ≈ 4πj (Weyl's law at unit area).
     pub lambda: Array2<f32>,
+    /// ψ of the positions (n, d') where it joins after the DiffusionNet ([`Encoding::Features`]).
+    pub encoded: Option<Array2<f32>>,
 }
 
-/// Input channels for a kind of position encoding.
-pub fn input_channels(position: Position) -> usize {
-    let encoded = match position {
+/// Columns d' of ψ: sine and cosine of each wavelength.
+pub(super) fn encoded_channels(position: Position) -> usize {
+    let numbers = match position {
         Position::Invariant => 1,
         Position::Literal => 3,
     };
-    SIGNATURES + 2 + 2 * WAVELENGTHS.len() * encoded
+    2 * WAVELENGTHS.len() * numbers
+}
+
+/// Channels that the DiffusionNet sees: where ψ joins after it, none that depends on where the points are.
+pub(super) fn input_channels(config: &InputConfig) -> usize {
+    match config.encoding {
+        Encoding::Input => SIGNATURES + 2 + encoded_channels(config.position),
+        Encoding::Features => SIGNATURES,
+    }
+}
+
+/// ψ of one point: sines and cosines.
+fn encode(p: ArrayView1<f32>, position: Position, mut out: ArrayViewMut1<f32>) {
+    let radius = [p.dot(&p).sqrt()];
+    let numbers: &[f32] = match position {
+        Position::Invariant => &radius,
+        Position::Literal => p.as_slice().expect("row-major"),
+    };
+    let waves = WAVELENGTHS.iter().flat_map(|w| numbers.iter().map(move |x| std::f32::consts::TAU * x / w));
+    for (i, angle) in waves.enumerate() {
+        let (sin, cos) = angle.sin_cos();
+        out[2 * i] = sin;
+        out[2 * i + 1] = cos;
+    }
 }
 
 impl ShapeInputs {
-    /// From a basis (n, ≥ k) at unit area, the gradients of its eigenfunctions (n, ≥ k) and positions (n, 3) centred and in √area.
+    /// For a network, from a basis (n, ≥ k) at unit area, the gradients of its eigenfunctions (n, ≥ k) and positions (n, 3) centred and in √area; k is the
+    /// network's number of eigenpairs.
     pub fn new(
         basis: &SpectralBasis,
         gradients: [ArrayView2<f32>; 2],
         points: ArrayView2<f64>,
-        k: usize,
-        position: Position,
+        config: &InputConfig,
     ) -> Self {
-        let k = k.min(basis.k());
+        let (k, position) = (config.eigenpairs.min(basis.k()), config.position);
         let single = |v: &f64| *v as f32;
         let basis = &basis.truncated(k);
         let weyl = weyl_factor(basis);
@@ -65,25 +90,26 @@ impl ShapeInputs {
         let times: Vec<f64> = (0..SIGNATURES)
             .map(|i| TIMES[0] * (TIMES[1] / TIMES[0]).powf(i as f64 / (SIGNATURES - 1) as f64) / weyl)
             .collect();
-        let mut channels = Array2::zeros((basis.len(), input_channels(position)));
+        let mut channels = Array2::zeros((basis.len(), input_channels(config)));
         channels.slice_mut(s![.., ..SIGNATURES]).assign(&heat_kernel_signature(basis, &times));
-        for (mut row, p) in channels.rows_mut().into_iter().zip(points.rows()) {
-            let square = p.dot(&p);
-            let radius = [square.sqrt()];
-            row[SIGNATURES] = square - 0.5;
-            row[SIGNATURES + 1] = radius[0] - 0.5;
-            let encoded: &[f32] = match position {
-                Position::Invariant => &radius,
-                Position::Literal => p.as_slice().expect("row-major"),
-            };
-            let waves = WAVELENGTHS.iter().flat_map(|w| encoded.iter().map(move |x| std::f32::consts::TAU * x / w));
-            for (i, angle) in waves.enumerate() {
-                let (sin, cos) = angle.sin_cos();
-                row[SIGNATURES + 2 + 2 * i] = sin;
-                row[SIGNATURES + 3 + 2 * i] = cos;
+        let encoded = match config.encoding {
+            Encoding::Input => {
+                for (mut row, p) in channels.rows_mut().into_iter().zip(points.rows()) {
+                    let square = p.dot(&p);
+                    row[SIGNATURES] = square - 0.5;
+                    row[SIGNATURES + 1] = square.sqrt() - 0.5;
+                    encode(p, position, row.slice_mut(s![SIGNATURES + 2..]));
+                }
+                None
             }
-        }
+            Encoding::Features => {
+                let mut encoded = Array2::zeros((basis.len(), encoded_channels(position)));
+                encoded.rows_mut().into_iter().zip(points.rows()).for_each(|(row, p)| encode(p, position, row));
+                Some(encoded)
+            }
+        };
         Self {
+            encoded,
             channels,
             moments: &points * &mass,
             projector: &phi * &mass,
@@ -114,6 +140,8 @@ impl ShapeInputs {
             projector: device.upload(self.projector.view()),
             gradients: [0, 1].map(|axis: usize| device.upload(self.gradients[axis].view())),
             lambda: device.upload(self.lambda.view()),
+            encoded: self.encoded.as_ref().map(|encoded| device.upload(encoded.view())),
+            count: self.len(),
         }
     }
 }
@@ -129,6 +157,8 @@ pub struct InputsOn<T> {
     pub projector: T,
     pub gradients: [T; 2],
     pub lambda: T,
+    pub encoded: Option<T>,
+    pub count: usize,
 }
 
 /// Mean of λ_j/4πj: 1 for a smooth closed surface of unit area. What an operator on a cloud gets wrong in scale shows here.

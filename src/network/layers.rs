@@ -3,11 +3,11 @@
 use super::weights::{Source, Start, WeightsError};
 use crate::device::Device;
 
-/// x W + b.
+/// x W + b, or x W.
 #[derive(Clone, Debug)]
 pub struct Linear<T> {
     weight: T,
-    bias: T,
+    bias: Option<T>,
 }
 
 impl<T> Linear<T> {
@@ -19,16 +19,30 @@ impl<T> Linear<T> {
         outputs: usize,
         gain: f32,
     ) -> Result<Self, WeightsError> {
+        let mut linear = Self::without_bias(source, name, inputs, outputs, gain)?;
+        linear.bias = Some(source.tensor(&format!("{name}.bias"), [1, outputs], Start::Constant(0.0))?);
+        Ok(linear)
+    }
+
+    /// The same without b: nothing gives nothing.
+    pub fn without_bias(
+        source: &mut impl Source<T>,
+        name: &str,
+        inputs: usize,
+        outputs: usize,
+        gain: f32,
+    ) -> Result<Self, WeightsError> {
         let spread = gain / (inputs as f32).sqrt();
-        Ok(Self {
-            weight: source.tensor(&format!("{name}.weight"), [inputs, outputs], Start::Normal(spread))?,
-            bias: source.tensor(&format!("{name}.bias"), [1, outputs], Start::Constant(0.0))?,
-        })
+        let weight = source.tensor(&format!("{name}.weight"), [inputs, outputs], Start::Normal(spread))?;
+        Ok(Self { weight, bias: None })
     }
 
     /// (n, inputs) → (n, outputs).
     pub fn forward<D: Device<Tensor = T>>(&self, device: &D, x: &T) -> T {
-        device.linear(x, &self.weight, &self.bias)
+        match &self.bias {
+            Some(bias) => device.linear(x, &self.weight, bias),
+            None => device.matmul(x, &self.weight),
+        }
     }
 }
 

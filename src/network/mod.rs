@@ -1,6 +1,7 @@
 //! The network: what it sees of a shape, its layers, its weights, and the parts of the body that it knows.
 
 mod attention;
+mod batch_norm;
 mod category;
 mod config;
 mod diffusion_net;
@@ -12,9 +13,10 @@ mod moments;
 mod network;
 mod weights;
 
+pub use batch_norm::Statistics;
 pub(crate) use category::SITUATIONS;
 pub use category::{Category, Part, Thresholds};
-pub use config::{ModelConfig, Position};
+pub use config::{Encoding, InputConfig, ModelConfig, Norm, Position, Solver};
 pub use inputs::{ShapeInputs, weyl_factor};
 #[cfg(feature = "train")]
 pub(crate) use model::PRIOR;

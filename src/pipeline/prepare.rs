@@ -10,7 +10,7 @@ use super::geometry::{Carriers, Geometry};
 use super::{Error, FaceUse, Info, PrepareOptions, PreparedShape, ShapeKind};
 use crate::device::{Cpu, Device, Interrupted, still_well};
 use crate::graph::components;
-use crate::network::{Model, PointEmbedding, Position, ShapeInputs, TrainedNetwork};
+use crate::network::{InputConfig, Model, PointEmbedding, ShapeInputs, TrainedNetwork};
 use crate::operators::{self, EdgeFilter, Laplacian, LaplacianKind, gradient_around};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::registration::COARSE;
@@ -101,11 +101,10 @@ async fn ask<D: Device>(
     progress.at(Stage::Features, share.start)?;
     prepared.embeddings.clear();
     for (index, trained) in model.networks().iter().enumerate() {
-        let config = &trained.weights().config;
         let inputs = {
             // Gradients ask for a graph again, but a listener is not told of a stage twice.
             let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
-            network_inputs(prepared, carriers, filter, config.eigenpairs, config.position, &mut within)
+            network_inputs(prepared, carriers, filter, &trained.weights().config.input(), &mut within)
                 .map_err(|_| Cancelled { stage: Stage::Features })?
         };
         progress.at(Stage::Features, share.end)?;
@@ -248,18 +247,17 @@ pub(crate) fn prepare_with_carriers(
     Ok((prepared, carriers, laplacian))
 }
 
-/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`; k eigenpairs.
+/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`.
 pub(crate) fn network_inputs(
     prepared: &PreparedShape,
     carriers: &Carriers,
     filter: Option<EdgeFilter>,
-    k: usize,
-    position: Position,
+    config: &InputConfig,
     progress: &mut Progress,
 ) -> Result<ShapeInputs, Cancelled> {
     let matchable = prepared.matchable();
     let gradient = gradient_around(&carriers.shape, &carriers.neighbourhood, filter, progress)?;
-    let k = k.min(prepared.basis.k());
+    let k = config.eigenpairs.min(prepared.basis.k());
     let unit_area = prepared.basis.mass.sum();
     let rows: Vec<usize> = match &prepared.support.used {
         Some(used) => used.iter().map(|&carrier| carrier as usize).collect(),
@@ -278,7 +276,7 @@ pub(crate) fn network_inputs(
         out
     });
     let [along, across] = &gradients;
-    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), k, position))
+    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), config))
 }
 
 /// Points that carry surface: of a mesh those that belong to a face, of a cloud one at each place, because copies would take the

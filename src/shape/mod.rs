@@ -206,10 +206,13 @@ impl Shape {
 
     /// Sum of the triangle areas, in unit²; 0 for a cloud.
     pub fn surface_area(&self) -> f64 {
-        let corner = |i: u32| self.points[i as usize];
-        let doubled =
-            self.faces.iter().map(|&[a, b, c]| norm(cross(minus(corner(b), corner(a)), minus(corner(c), corner(a)))));
-        0.5 * doubled.sum::<f64>()
+        0.5 * self.faces.iter().map(|&face| 2.0 * self.face_area(face)).sum::<f64>()
+    }
+
+    /// Area of a triangle between three points, in unit².
+    pub(crate) fn face_area(&self, face: [u32; 3]) -> f64 {
+        let [a, b, c] = face.map(|i| self.points[i as usize]);
+        0.5 * norm(cross(minus(b, a), minus(c, a)))
     }
 
     /// The same points without their faces. What was said about the upload stays said.

@@ -6,7 +6,7 @@
 use candle_core::{CpuStorage, CustomOp1, CustomOp2, CustomOp3, Layout, Shape, Tensor};
 use ndarray::{Array2, ArrayView2, Axis};
 
-use crate::device::{Cpu, Device};
+use crate::device::{Cpu, Device, Mask};
 
 /// The device that trains.
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,6 +71,11 @@ impl Device for Autodiff {
         done(normal.broadcast_mul(gain).and_then(|y| y.broadcast_add(bias)))
     }
 
+    fn batch_norm(&self, x: &Tensor, (mean, variance): (&Tensor, &Tensor), gain: &Tensor, bias: &Tensor) -> Tensor {
+        let scale = variance.affine(1.0, f64::from(crate::device::EPSILON)).and_then(|v| gain / v.sqrt()?);
+        done(scale.and_then(|scale| x.broadcast_sub(mean)?.broadcast_mul(&scale)?.broadcast_add(bias)))
+    }
+
     fn multiply(&self, a: &Tensor, b: &Tensor) -> Tensor {
         done(a * b)
     }
@@ -105,12 +110,19 @@ impl Device for Autodiff {
         (query, query_parts): (&Tensor, &Tensor),
         (key, key_parts): (&Tensor, &Tensor),
         value: &Tensor,
+        mask: Mask,
     ) -> Tensor {
         let scale = 1.0 / (query.dims()[1] as f64).sqrt();
-        let scores = self.matmul_nt(query, key);
+        let scores = done(self.matmul_nt(query, key).affine(scale, 0.0));
         let shared = self.matmul_nt(query_parts, key_parts);
-        let masked = scores.affine(scale, 0.0).and_then(|scores| scores + shared.affine(1.0, 1e-6)?.log()?);
-        self.matmul(&self.softmax_rows(&done(masked)), value)
+        let weights = match mask {
+            Mask::Soft => {
+                let masked = shared.affine(1.0, 1e-6).and_then(|shared| scores + shared.log()?);
+                self.softmax_rows(&done(masked))
+            }
+            Mask::Hard => done(shared.contiguous().and_then(|shared| scores.apply_op2(&shared, SoftmaxWithin))),
+        };
+        self.matmul(&weights, value)
     }
 
     fn solve_rows(&self, gram: &Tensor, right: &Tensor, mask: &Tensor) -> Tensor {
@@ -289,15 +301,49 @@ impl CustomOp1 for SoftmaxRows {
     }
 
     fn bwd(&self, _: &Tensor, y: &Tensor, grad: &Tensor) -> candle_core::Result<Option<Tensor>> {
-        plain(y, grad, |y, grad| {
-            let mut out = grad.to_owned();
-            for (mut row, y) in out.rows_mut().into_iter().zip(y.rows()) {
-                let along = row.dot(&y);
-                row.zip_mut_with(&y, |g, y| *g = (*g - along) * y);
-            }
-            out
-        })
+        softmax_backward(y, grad)
     }
+}
+
+/// Softmax over the keys that share a part. The mask is not learned.
+struct SoftmaxWithin;
+
+impl CustomOp2 for SoftmaxWithin {
+    fn name(&self) -> &'static str {
+        "softmax within parts"
+    }
+
+    fn cpu_fwd(
+        &self,
+        scores: &CpuStorage,
+        ls: &Layout,
+        shared: &CpuStorage,
+        lp: &Layout,
+    ) -> candle_core::Result<(CpuStorage, Shape)> {
+        Ok(stored(crate::device::softmax_within(view(scores, ls)?, view(shared, lp)?)))
+    }
+
+    fn bwd(
+        &self,
+        _: &Tensor,
+        _: &Tensor,
+        y: &Tensor,
+        grad: &Tensor,
+    ) -> candle_core::Result<(Option<Tensor>, Option<Tensor>)> {
+        Ok((softmax_backward(y, grad)?, None))
+    }
+}
+
+/// ∂x of y = softmax x over each row, as y ⊙ (∂y − Σ y ∂y): also of a row in which what is zero stays so.
+fn softmax_backward(y: &Tensor, grad: &Tensor) -> candle_core::Result<Option<Tensor>> {
+    plain(y, grad, |y, grad| {
+        let mut out = grad.to_owned();
+        for (mut row, y) in out.rows_mut().into_iter().zip(y.rows()) {
+            let along = row.dot(&y);
+            row.zip_mut_with(&y, |g, y| *g = (*g - along) * y);
+        }
+        out
+    })
 }
 
 /// Cross products of all pairs of rows.

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use super::parameters::Parameters;
 use super::pool::Pool;
 use super::run::{RunConfig, RunError, train};
-use super::step::Forward;
+use super::step::{Forward, embed};
 use crate::network::{ModelConfig, Network, Weights};
 
 /// A part of the bodies: every `of`-th from `held` on.
@@ -105,12 +105,13 @@ fn score(weights: &Weights, run: &RunConfig, pool: &Pool, fold: Fold) -> Result<
     let mut rng = ChaCha8Rng::seed_from_u64(fold.held as u64);
     let mut parameters = Parameters::from_weights(weights, rng.clone());
     let network: Network<Tensor> = Network::new(&weights.config, weights.category.parts.len(), &mut parameters)?;
-    let held: Vec<usize> = (0..pool.count).filter(|&index| fold.holds(index)).collect();
+    let held: Vec<usize> = (0..pool.count).filter(|&index| fold.holds(pool.body(index))).collect();
     let mut sum = 0.0;
     for _ in 0..PAIRS {
         let [a, b] = [0; 2].map(|_| held[rng.random_range(0..held.len())]);
         let pair = [&pool.get(a)?, &pool.get(b)?];
-        sum += Forward::new(&network, run, pair, &mut rng)?.same_part(pair)?;
+        let [on_a, on_b] = pair.map(|sample| embed(&network, sample));
+        sum += Forward::new(&network, &run.losses, pair, [&on_a, &on_b], &mut rng).same_part(pair)?;
     }
     Ok(sum / PAIRS as f64)
 }

@@ -8,6 +8,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::device::{Autodiff, tensor};
 use crate::device::Device;
+use crate::network::Solver;
 
 /// How much each loss counts.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -75,9 +76,9 @@ impl LossWeights {
 pub struct Side<'a> {
     /// Features (n, f) of unit length.
     pub features: &'a Tensor,
-    /// Part logits (n, 14).
+    /// Part logits (n, c).
     pub logits: &'a Tensor,
-    /// Part labels as one-hot rows (n, 14).
+    /// Part labels as one-hot rows (n, c).
     pub labels: &'a Tensor,
     /// Φ (n, k).
     pub phi: &'a Tensor,
@@ -92,8 +93,8 @@ pub struct Side<'a> {
 /// A loss by name, before its weight.
 pub type Terms = Vec<(&'static str, f64, Tensor)>;
 
-/// All losses of a pair that count; without functional maps only those of the parts.
-pub fn losses(weights: &LossWeights, a: &Side, b: &Side, maps: bool) -> Result<Terms> {
+/// All losses of a pair that count, functional maps being solved for as `solve` says; without `maps` only those of the parts.
+pub fn losses(weights: &LossWeights, solve: Solver, a: &Side, b: &Side, maps: bool) -> Result<Terms> {
     let mut terms = Vec::new();
     if weights.parts > 0.0 {
         let both = (cross_entropy(a.logits, a.labels)? + cross_entropy(b.logits, b.labels)?)?;
@@ -130,7 +131,7 @@ pub fn losses(weights: &LossWeights, a: &Side, b: &Side, maps: bool) -> Result<T
     if !maps || weights.bijectivity + weights.orthogonality + weights.coupling == 0.0 {
         return Ok(terms);
     }
-    let [c_ab, c_ba] = functional_maps(a, b)?;
+    let [c_ab, c_ba] = functional_maps(a, b, solve)?;
     let k = a.lambda.len() as f64;
     let from_identity = |product: Tensor| -> Result<Tensor> {
         let identity = tensor(Array2::eye(product.dims()[0]).view());
@@ -155,10 +156,10 @@ pub fn losses(weights: &LossWeights, a: &Side, b: &Side, maps: bool) -> Result<T
     Ok(terms)
 }
 
-/// C_ab and C_ba from the features (paper Sec. 3.3, with the resolvent mask).
-pub fn functional_maps(a: &Side, b: &Side) -> Result<[Tensor; 2]> {
+/// C_ab and C_ba from the features (paper Sec. 3.3).
+pub fn functional_maps(a: &Side, b: &Side, solve: Solver) -> Result<[Tensor; 2]> {
     let project = |side: &Side| side.projector.t()?.matmul(side.features);
-    Ok(crate::maps::functional_maps(&Autodiff, [&project(a)?, &project(b)?], [a.lambda, b.lambda]))
+    Ok(crate::maps::functional_maps(&Autodiff, [&project(a)?, &project(b)?], [a.lambda, b.lambda], solve))
 }
 
 /// Mean of −Σ y ln p over the rows of `labels`, which are one-hot, shares that sum to 1, or nothing where nothing is known.

@@ -4,6 +4,7 @@ pub mod atlas;
 pub mod bodies;
 pub mod device;
 pub mod folds;
+pub mod labelled;
 pub mod losses;
 pub mod parameters;
 pub mod pool;

@@ -11,10 +11,12 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::device::{matrix, tensor};
-use crate::network::{Category, ModelConfig, Source, Start, Weights, WeightsError};
+use crate::network::{Category, ModelConfig, Source, Start, Statistics, Weights, WeightsError};
 
 const BETA: [f32; 2] = [0.9, 0.999];
 const EPSILON: f32 = 1e-8;
+/// Share of a step's statistics in the running ones, from the tenth step on; before that all steps count alike.
+const FOLLOWED: f32 = 0.1;
 
 struct Parameter {
     var: Var,
@@ -62,6 +64,23 @@ impl Parameters {
     /// How many numbers are learned.
     pub fn count(&self) -> usize {
         self.named.values().map(|parameter| parameter.first.len()).sum()
+    }
+
+    /// Running means and variances of batch normalisation take up what step `step` (from 0) found.
+    pub fn follow(&mut self, found: &[Statistics<Tensor>], step: usize) -> candle_core::Result<()> {
+        let share = FOLLOWED.max(1.0 / (step as f32 + 1.0));
+        for Statistics { layer, mean, variance } in found {
+            for (part, new) in [("mean", mean), ("variance", variance)] {
+                let running = self.named.get_mut(&format!("{layer}.{part}")).expect("every layer has its statistics");
+                let new = matrix(new);
+                // What is not finite would stay.
+                if new.iter().all(|v| v.is_finite()) {
+                    let old = matrix(running.var.as_tensor());
+                    running.var.set(&tensor((&old + share * (new - &old)).view()))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// One step of AdamW on gradients of total length at most `clip`. Returns the length they had. Gradients that are not finite change nothing.

@@ -1,4 +1,4 @@
-//! The bodies that training draws from: made once, kept on disk, the same for every run of a seed.
+//! The scans that training draws from: made once, kept on disk, the same for every run of a seed.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -17,7 +17,7 @@ use super::bodies::parts::people;
 use super::bodies::scan::ScanOptions;
 use super::bodies::{BodyModel, Template};
 use super::sample::Sample;
-use crate::network::{Category, ModelConfig, Position, WeightsId};
+use crate::network::{Category, InputConfig, ModelConfig, WeightsId};
 use crate::operators::LaplacianKind;
 
 /// Vertices of the meshes that are matched to the atlas.
@@ -30,6 +30,8 @@ pub struct Pool {
     pub count: usize,
     /// The kind of body.
     pub category: Category,
+    /// How many of them, one after the other, are of one body.
+    per_body: usize,
     /// Why no more are made, once that is so.
     failure: OnceLock<String>,
 }
@@ -39,24 +41,76 @@ pub struct Pool {
 pub struct SampleConfig {
     /// The kind of body.
     pub category: Category,
-    /// Points of a scan, give or take a quarter.
+    /// Points of a scan.
     pub points: usize,
-    /// Eigenpairs that the network asks for.
-    pub eigenpairs: usize,
-    /// How positions enter.
-    pub position: Position,
+    /// Share of them that a generated scan may have more or less.
+    #[serde(default = "quarter")]
+    pub spread: f64,
+    /// What the network asks for.
+    #[serde(flatten)]
+    pub input: InputConfig,
+    /// How generated bodies stand.
+    #[serde(default)]
+    pub stand: Stand,
     /// The operator of every cloud; by default that of matching on most, others on some.
     pub laplacian: Option<LaplacianKind>,
     /// The weights that place points on the atlas, if any do.
     #[serde(default)]
     pub teacher: Option<WeightsId>,
+    /// The scans that samples are of, where the generator makes none.
+    #[serde(default)]
+    pub scans: Option<Scans>,
+}
+
+fn quarter() -> f64 {
+    0.25
+}
+
+/// How generated bodies stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stand {
+    /// Each turned any way, and every second one mirrored: for networks that see no coordinates.
+    #[default]
+    Random,
+    /// Upright on y = 0, facing +z, unmirrored: what a network that sees coordinates takes for granted.
+    Alike,
+}
+
+/// Scans of a folder by name, in order.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Scans {
+    /// The folder.
+    pub folder: PathBuf,
+    /// Those trained on.
+    pub names: Vec<String>,
+}
+
+/// What makes samples, each from its place in the pool.
+pub trait MakesSamples: Sync {
+    /// Sample `index`, or why there is none.
+    fn make(&self, index: usize) -> Result<Sample, String>;
 }
 
 impl SampleConfig {
     /// For a network, with the operators that ship and no teacher.
     pub fn of(network: &ModelConfig, points: usize) -> Self {
-        let (eigenpairs, position) = (network.eigenpairs, network.position);
-        Self { category: people(), points, eigenpairs, position, laplacian: None, teacher: None }
+        Self {
+            category: people(),
+            points,
+            spread: quarter(),
+            input: network.input(),
+            stand: Stand::Random,
+            laplacian: None,
+            teacher: None,
+            scans: None,
+        }
+    }
+
+    /// The paper's, for its network or one that differs in something: N = 5000 (Sec. 4.1), bodies that stand alike, on clouds Algorithm 1 as printed.
+    pub fn paper(network: &ModelConfig) -> Self {
+        let laplacian = Some(LaplacianKind::GeodesicLiteral);
+        Self { spread: 0.0, stand: Stand::Alike, laplacian, ..Self::of(network, 5000) }
     }
 }
 
@@ -85,7 +139,28 @@ impl Pool {
             }
             Err(_) => fs::write(file, serde_json::to_vec_pretty(config)?)?,
         }
-        Ok(Self { folder: folder.to_owned(), count, category: config.category.clone(), failure: OnceLock::new() })
+        Ok(Self {
+            folder: folder.to_owned(),
+            count,
+            category: config.category.clone(),
+            per_body: 1,
+            failure: OnceLock::new(),
+        })
+    }
+
+    /// Where so many samples, one after the other, are of one body.
+    pub fn per_body(self, per_body: usize) -> Self {
+        Self { per_body, ..self }
+    }
+
+    /// The body of sample `index`.
+    pub fn body(&self, index: usize) -> usize {
+        index / self.per_body
+    }
+
+    /// How many bodies there are.
+    pub fn bodies(&self) -> usize {
+        self.count.div_ceil(self.per_body)
     }
 
     fn path(&self, index: usize) -> PathBuf {
@@ -111,7 +186,7 @@ impl Pool {
     }
 
     /// Makes what is missing, in order, on the threads that call; `next` is where they agree on who makes what. The first failure ends all of them.
-    pub fn fill(&self, maker: &Maker, next: &AtomicUsize, stop: &AtomicBool) {
+    pub fn fill(&self, maker: &impl MakesSamples, next: &AtomicUsize, stop: &AtomicBool) {
         let _told = Unwinding(&self.failure);
         while !stop.load(Ordering::Relaxed) && self.failure.get().is_none() {
             let index = next.fetch_add(1, Ordering::Relaxed);
@@ -121,25 +196,13 @@ impl Pool {
             if self.path(index).exists() {
                 continue;
             }
-            if let Err(failure) = self.make(maker, index) {
+            let path = self.path(index);
+            let save = |sample: Sample| sample.save(&path).map_err(|error| format!("{}: {error}", path.display()));
+            if let Err(failure) = maker.make(index).and_then(save) {
                 eprintln!("{failure}");
                 let _ = self.failure.set(failure);
             }
         }
-    }
-
-    /// Makes sample `index`. For a body that cannot be used another one of a seed that no index has.
-    fn make(&self, maker: &Maker, index: usize) -> Result<(), String> {
-        for seed in (index as u64..HELD_OUT_SEEDS).step_by(HELD_OUT_SEEDS as usize / 8) {
-            match maker.sample(seed) {
-                Ok(sample) => {
-                    let path = self.path(index);
-                    return sample.save(&path).map_err(|error| format!("{}: {error}", path.display()));
-                }
-                Err(error) => eprintln!("body {seed}: {error}"),
-            }
-        }
-        Err(format!("no body could be used for sample {index}"))
     }
 }
 
@@ -154,6 +217,19 @@ impl Drop for Unwinding<'_> {
     }
 }
 
+impl MakesSamples for Maker<'_> {
+    /// For a body that cannot be used another one of a seed that no index has.
+    fn make(&self, index: usize) -> Result<Sample, String> {
+        for seed in (index as u64..HELD_OUT_SEEDS).step_by(HELD_OUT_SEEDS as usize / 8) {
+            match self.sample(seed) {
+                Ok(sample) => return Ok(sample),
+                Err(error) => eprintln!("body {seed}: {error}"),
+            }
+        }
+        Err(format!("no body could be used for sample {index}"))
+    }
+}
+
 impl Maker<'_> {
     /// The sample of a seed: a scan of a random body with the operator that such a scan would get, or for a part of the clouds another one, because
     /// weights trained on one operator alone fail on others.
@@ -162,8 +238,12 @@ impl Maker<'_> {
         // Another stream than the one the scan is drawn from.
         rng.set_stream(1);
         // Different numbers of points, independently for the two shapes of a pair.
-        let points = (self.config.points as f64 * (0.75 + 0.5 * rng.random::<f64>())) as usize;
-        let options = ScanOptions { points, ..ScanOptions::default() };
+        let spread = self.config.spread;
+        let points = (self.config.points as f64 * ((1.0 - spread) + 2.0 * spread * rng.random::<f64>())) as usize;
+        let options = match self.config.stand {
+            Stand::Random => ScanOptions { points, ..ScanOptions::default() },
+            Stand::Alike => ScanOptions { points, mirrored: 0.0, moved: false, ..ScanOptions::default() },
+        };
         // Of the truth nothing but the surface behind each point, to find the place of that surface.
         let (scan, behind) = self.model.scan(self.template, seed, &options).map_err(|error| error.to_string())?;
         let places = self.atlas.map(|atlas| self.places(atlas, seed, &behind.skin)).transpose()?;

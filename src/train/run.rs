@@ -15,7 +15,7 @@ use super::folds::Fold;
 use super::losses::LossWeights;
 use super::parameters::Parameters;
 use super::pool::Pool;
-use super::step::Forward;
+use super::step::{Forward, embed_together};
 use crate::network::{Category, ModelConfig, Network, Weights, WeightsError};
 
 /// Everything that decides the outcome of a run.
@@ -46,8 +46,6 @@ pub struct RunConfig {
     pub clip: f32,
     /// Step from which functional maps count.
     pub maps_from: usize,
-    /// Eigenfunctions that functional maps, L_geo and L_orth see at most.
-    pub map: usize,
     /// What is minimised.
     pub losses: LossWeights,
     /// Of parameters and pairs.
@@ -79,7 +77,6 @@ impl Default for RunConfig {
             decay: 1e-4,
             clip: 1.0,
             maps_from: 300,
-            map: 60,
             losses: LossWeights::default(),
             seed: 1,
         }
@@ -87,7 +84,8 @@ impl Default for RunConfig {
 }
 
 impl RunConfig {
-    /// The paper's: k = 120, Adam 1e-3 halved every 50 of 100 epochs, batches of 8. In an epoch every one of `bodies` is seen once, on average.
+    /// The paper's (Sec. 4.1): Adam 1e-3 halved every 50 of 100 epochs, batches of 8 pairs, its losses as printed. In an epoch every one of `bodies` is seen once, on
+    /// average. The rest of its configuration is [`ModelConfig::paper`] and [`SampleConfig::paper`](super::pool::SampleConfig::paper).
     pub fn paper(bodies: usize) -> Self {
         let batch = 8;
         Self {
@@ -99,7 +97,6 @@ impl RunConfig {
             decay: 0.0,
             clip: f32::MAX,
             maps_from: 0,
-            map: 120,
             name: "paper".to_owned(),
             losses: LossWeights::paper(),
             ..Self::default()
@@ -175,9 +172,9 @@ pub fn train(
     seconds: f64,
 ) -> Result<bool, RunError> {
     if let Some(Fold { of: folds, .. }) = run.fold
-        && (folds < 2 || pool.count < 2 * folds)
+        && (folds < 2 || pool.bodies() < 2 * folds)
     {
-        return Err(RunError::Folds { folds, bodies: pool.count });
+        return Err(RunError::Folds { folds, bodies: pool.bodies() });
     }
     fs::create_dir_all(folder)?;
     let state = folder.join("state.safetensors");
@@ -223,9 +220,14 @@ pub fn train(
         rng.set_stream(1 + step as u64);
         let bodies = pool.count.min(FIRST_BODIES + step / STEPS_PER_BODY);
         let mut total = None;
-        for _ in 0..run.batch {
-            let pair = [&pool.get(drawn(bodies, run.fold, &mut rng))?, &pool.get(drawn(bodies, run.fold, &mut rng))?];
-            let forward = Forward::new(&network, run, pair, &mut rng)?;
+        let mut samples = Vec::with_capacity(2 * run.batch);
+        for _ in 0..2 * run.batch {
+            samples.push(pool.get(drawn(bodies, pool, run.fold, &mut rng))?);
+        }
+        let (embeddings, statistics) = embed_together(&network, &samples.iter().collect::<Vec<_>>());
+        for (pair, of_pair) in samples.as_chunks::<2>().0.iter().zip(embeddings.as_chunks::<2>().0) {
+            let pair = pair.each_ref();
+            let forward = Forward::new(&network, &run.losses, pair, of_pair.each_ref(), &mut rng);
             let terms = forward.losses(&run.losses, step >= run.maps_from)?;
             for (name, weight, term) in terms {
                 log.add(name, f64::from(term.to_scalar::<f32>()?));
@@ -249,6 +251,7 @@ pub fn train(
             }
             log.add("gradient", f64::from(length));
         }
+        parameters.follow(&statistics, step)?;
         step += 1;
         parameters.steps = step;
         if step % LOG == 0 {
@@ -268,11 +271,11 @@ pub fn train(
     Ok(true)
 }
 
-/// One of the first `bodies`, but none of those left out.
-fn drawn(bodies: usize, fold: Option<Fold>, rng: &mut ChaCha8Rng) -> usize {
+/// One of the first `samples`, but none of the bodies left out.
+fn drawn(samples: usize, pool: &Pool, fold: Option<Fold>, rng: &mut ChaCha8Rng) -> usize {
     loop {
-        let index = rng.random_range(0..bodies);
-        if fold.is_none_or(|fold| !fold.holds(index)) {
+        let index = rng.random_range(0..samples);
+        if fold.is_none_or(|fold| !fold.holds(pool.body(index))) {
             return index;
         }
     }

@@ -1,4 +1,4 @@
-//! One synthetic scan as training sees it: what the network is given, part labels, and where a teacher put its points by these. Which body point a point is does
+//! One scan as training sees it: what the network is given, part labels, and where a teacher put its points by these. Which body point a point is does
 //! not come along.
 
 use std::fs;
@@ -16,7 +16,7 @@ use crate::pipeline::Error;
 use crate::pipeline::PrepareOptions;
 use crate::pipeline::{network_inputs, prepare_with_carriers};
 use crate::progress::Progress;
-use crate::shape::Shape;
+use crate::shape::{MIN_POINTS, Shape};
 
 /// Inputs (n points) and labels (n).
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,8 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Builds the operators that a scan with given labels would get. Points without surface keep no label, and so are left out. `places` are those of the
+    /// Builds the operators that a scan with given labels would get, on as many points as matching would use where `config.points` were asked for. Points without
+    /// surface keep no label, and so are left out. `places` are those of the
     /// scan's points, where there is a teacher.
     pub fn new(
         shape: Shape,
@@ -40,8 +41,8 @@ impl Sample {
     ) -> Result<Self, Error> {
         let options = PrepareOptions {
             laplacian: kind,
-            eigenpairs: config.eigenpairs,
-            points: shape.points().len().max(50),
+            eigenpairs: config.input.eigenpairs,
+            points: config.points.max(MIN_POINTS),
             ..PrepareOptions::default()
         };
         let mut progress = Progress::silent();
@@ -50,7 +51,7 @@ impl Sample {
         let used: Vec<usize> = (0..prepared.points_used()).map(|row| prepared.support.uploaded(row)).collect();
         let labels = used.iter().map(|&i| labels[i]).collect();
         let places = places.map(|at| Array2::from_shape_fn((used.len(), 3), |(row, axis)| at[used[row]][axis]));
-        let inputs = network_inputs(&prepared, &carriers, None, config.eigenpairs, config.position, &mut progress)
+        let inputs = network_inputs(&prepared, &carriers, None, &config.input, &mut progress)
             .map_err(crate::operators::OperatorError::from)?;
         Ok(Self { inputs, labels, places })
     }
@@ -69,6 +70,7 @@ impl Sample {
             ("lambda", &inputs.lambda),
         ];
         matrices.extend(self.places.as_ref().map(|places| ("places", places)));
+        matrices.extend(inputs.encoded.as_ref().map(|encoded| ("encoded", encoded)));
         // f16 has five bits of exponent: masses of single points would be subnormal in it.
         let scale = |name: &str| if matches!(name, "moments" | "projector") { inputs.len() as f32 } else { 1.0 };
         let mut bytes: Vec<(&str, Vec<usize>, Vec<u8>)> = matrices
@@ -104,6 +106,7 @@ impl Sample {
         let labels: Vec<u32> =
             file.tensor("labels").map_err(io::Error::other)?.data().iter().map(|&l| u32::from(l)).collect();
         let per_point = 1.0 / labels.len() as f32;
+        let optional = |name: &str| file.names().contains(&name).then(|| read(name)).transpose();
         Ok(Self {
             inputs: ShapeInputs {
                 channels: read("channels")?,
@@ -113,9 +116,10 @@ impl Sample {
                 projector: read("projector")? * per_point,
                 gradients: [read("along")?, read("across")?],
                 lambda: read("lambda")?,
+                encoded: optional("encoded")?,
             },
             labels,
-            places: file.names().contains(&"places").then(|| read("places")).transpose()?,
+            places: optional("places")?,
         })
     }
 }

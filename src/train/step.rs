@@ -1,19 +1,32 @@
-//! The loss of one pair: the forward pass of matching, then every loss that counts.
+//! The losses of a step: the forward pass of matching on the shapes of all its pairs, then of each pair every loss that counts.
 
 use candle_core::Tensor;
-use ndarray::Array2;
+use ndarray::{Array2, s};
 use rand::seq::index::sample as sample_rows;
 use rand_chacha::ChaCha8Rng;
 
 use super::device::{Autodiff, matrix, tensor};
 use super::losses::{LossWeights, Side, Terms, functional_maps, losses, one_hot};
-use super::run::RunConfig;
 use super::sample::Sample;
 use crate::device::{Cpu, Device};
-use crate::network::Network;
+use crate::network::{Embedding, Network, Solver, Statistics};
 
 /// Key points that attention looks at in training.
 const KEYS: usize = 512;
+
+/// What the network makes of each of the shapes of a step by themselves, and what batch normalisation found over all their points.
+pub fn embed_together(
+    network: &Network<Tensor>,
+    samples: &[&Sample],
+) -> (Vec<Embedding<Tensor>>, Vec<Statistics<Tensor>>) {
+    let on: Vec<_> = samples.iter().map(|sample| sample.inputs.upload(&Autodiff)).collect();
+    network.embed_together(&Autodiff, &on.iter().collect::<Vec<_>>())
+}
+
+/// What the network makes of a shape by itself as in matching, where batch normalisation goes by what training saw.
+pub fn embed(network: &Network<Tensor>, sample: &Sample) -> Embedding<Tensor> {
+    network.embed(&Autodiff, &sample.inputs.upload(&Autodiff))
+}
 
 /// Both shapes of a pair after the forward pass.
 pub struct Forward {
@@ -24,41 +37,39 @@ pub struct Forward {
     projector: [Tensor; 2],
     lambda: [Vec<f64>; 2],
     places: [Option<Array2<f32>>; 2],
+    solve: Solver,
 }
 
 impl Forward {
-    /// Features and parts of both.
+    /// Of two shapes and what the network made of each.
     pub fn new(
         network: &Network<Tensor>,
-        run: &RunConfig,
+        losses: &LossWeights,
         pair: [&Sample; 2],
+        [a, b]: [&Embedding<Tensor>; 2],
         rng: &mut ChaCha8Rng,
-    ) -> candle_core::Result<Self> {
+    ) -> Self {
         let device = Autodiff;
-        let on = pair.map(|sample| sample.inputs.upload(&device));
-        let [a, b] = [0, 1].map(|side: usize| network.embed(&device, &on[side]));
         let labels = pair.map(|sample| tensor(one_hot(&sample.labels, a.logits.dims()[1]).view()));
-        let masks = [mask(&run.losses, &a.logits, &labels[0]), mask(&run.losses, &b.logits, &labels[1])];
-        let keys = [&a, &b].into_iter().zip(&masks).map(|(e, p)| {
-            let n = p.dims()[0];
-            let rows: Vec<u32> = sample_rows(rng, n, KEYS.min(n)).into_iter().map(|i| i as u32).collect();
-            (device.gather(&e.features, &rows), device.gather(p, &rows))
+        let masks = [mask(losses, &a.logits, &labels[0]), mask(losses, &b.logits, &labels[1])];
+        let keys = pair.map(|sample| {
+            let n = sample.inputs.len();
+            sample_rows(rng, n, KEYS.min(n)).into_iter().map(|i| i as u32).collect::<Vec<u32>>()
         });
-        let keys: Vec<_> = keys.collect();
-        let features = [
-            network.compare(&device, (&a.features, &masks[0]), (&keys[1].0, &keys[1].1)),
-            network.compare(&device, (&b.features, &masks[1]), (&keys[0].0, &keys[0].1)),
-        ];
-        let k = run.map.min(pair[0].inputs.lambda.nrows()).min(pair[1].inputs.lambda.nrows());
-        Ok(Self {
+        let features =
+            network.compare(&device, [(&a.features, &masks[0], &keys[0]), (&b.features, &masks[1], &keys[1])]);
+        let k = network.config.map.min(pair[0].inputs.lambda.nrows()).min(pair[1].inputs.lambda.nrows());
+        let leading = |matrix: &Array2<f32>| tensor(matrix.slice(s![.., ..k]));
+        Self {
             features,
-            logits: [a.logits, b.logits],
+            logits: [a.logits.clone(), b.logits.clone()],
             labels,
-            phi: [0, 1].map(|side: usize| device.leading_columns(&on[side].phi, k)),
-            projector: [0, 1].map(|side: usize| device.leading_columns(&on[side].projector, k)),
+            phi: pair.map(|sample| leading(&sample.inputs.phi)),
+            projector: pair.map(|sample| leading(&sample.inputs.projector)),
             lambda: pair.map(|sample| sample.inputs.lambda.column(0).iter().take(k).map(|&l| f64::from(l)).collect()),
             places: pair.map(|sample| sample.places.clone()),
-        })
+            solve: network.config.solve,
+        }
     }
 
     fn side(&self, side: usize) -> Side<'_> {
@@ -75,7 +86,7 @@ impl Forward {
 
     /// The losses.
     pub fn losses(&self, weights: &LossWeights, maps: bool) -> candle_core::Result<Terms> {
-        losses(weights, &self.side(0), &self.side(1), maps)
+        losses(weights, self.solve, &self.side(0), &self.side(1), maps)
     }
 
     /// Share of points of both shapes whose part is right, by the largest logit.
@@ -86,7 +97,7 @@ impl Forward {
 
     /// Share of points of A that the functional map sends to a point of B with their part.
     pub fn same_part(&self, pair: [&Sample; 2]) -> candle_core::Result<f64> {
-        let [_, c_ba] = functional_maps(&self.side(0), &self.side(1))?;
+        let [_, c_ba] = functional_maps(&self.side(0), &self.side(1), self.solve)?;
         let a_in_b = matrix(&Autodiff.matmul(&self.phi[0], &c_ba));
         let (to_b, _) = Cpu.nearest_rows(&a_in_b, &matrix(&self.phi[1]), None);
         let kept = to_b.iter().zip(&pair[0].labels).filter(|&(&j, label)| pair[1].labels[j as usize] == *label);

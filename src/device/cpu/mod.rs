@@ -10,7 +10,9 @@ mod solve_rows;
 
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 
-use super::Device;
+use super::{Device, Mask};
+#[cfg(feature = "train")]
+pub(crate) use attention::softmax_within;
 #[cfg(feature = "train")]
 pub(crate) use pointwise::tanh;
 #[cfg(feature = "train")]
@@ -63,6 +65,16 @@ impl Device for Cpu {
         rows::layer_norm(x.view(), gain.view(), bias.view())
     }
 
+    fn batch_norm(
+        &self,
+        x: &Array2<f32>,
+        (mean, variance): (&Array2<f32>, &Array2<f32>),
+        gain: &Array2<f32>,
+        bias: &Array2<f32>,
+    ) -> Array2<f32> {
+        rows::batch_norm(x.view(), (mean.view(), variance.view()), gain.view(), bias.view())
+    }
+
     fn multiply(&self, a: &Array2<f32>, b: &Array2<f32>) -> Array2<f32> {
         a * b
     }
@@ -96,8 +108,9 @@ impl Device for Cpu {
         query: (&Array2<f32>, &Array2<f32>),
         key: (&Array2<f32>, &Array2<f32>),
         value: &Array2<f32>,
+        mask: Mask,
     ) -> Array2<f32> {
-        attention::attend(query, key, value)
+        attention::attend(query, key, value, mask)
     }
 
     fn solve_rows(&self, gram: &Array2<f32>, right: &Array2<f32>, mask: &Array2<f32>) -> Array2<f32> {

@@ -23,6 +23,23 @@ pub(crate) fn layer_norm(x: ArrayView2<f32>, gain: ArrayView2<f32>, bias: ArrayV
     out
 }
 
+pub(super) fn batch_norm(
+    x: ArrayView2<f32>,
+    (mean, variance): (ArrayView2<f32>, ArrayView2<f32>),
+    gain: ArrayView2<f32>,
+    bias: ArrayView2<f32>,
+) -> Array2<f32> {
+    let (mean, gain, bias) = (mean.row(0), gain.row(0), bias.row(0));
+    let scale = variance.row(0).mapv(|v| (v + EPSILON).sqrt().recip());
+    let mut out = x.as_standard_layout().into_owned();
+    for mut row in out.rows_mut() {
+        for (c, v) in row.iter_mut().enumerate() {
+            *v = (*v - mean[c]) * scale[c] * gain[c] + bias[c];
+        }
+    }
+    out
+}
+
 pub(crate) fn normalize_rows(x: ArrayView2<f32>) -> Array2<f32> {
     let mut out = x.as_standard_layout().into_owned();
     for mut row in out.rows_mut() {

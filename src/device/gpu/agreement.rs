@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::nearest_rows::TILE;
 use super::{Gpu, GpuTensor};
-use crate::device::{Cpu, Device};
+use crate::device::{Cpu, Device, Mask};
 
 /// How far a kernel's results are from those of the CPU.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,6 +155,9 @@ impl Gpu {
         let (gain, shift) = (numbers.matrix(1, COLUMNS, 1.0), numbers.matrix(1, COLUMNS, 1.0));
         let normal = self.layer_norm(&on_x, &up(&gain), &up(&shift));
         to.matrix("layer_norm", 1e-5, Cpu.layer_norm(&x, &gain, &shift), &normal).await;
+        let (mean, variance) = (numbers.matrix(1, COLUMNS, scale), numbers.matrix(1, COLUMNS, 4.0).mapv_into(f32::abs));
+        let normal = self.batch_norm(&on_x, (&up(&mean), &up(&variance)), &up(&gain), &up(&shift));
+        to.matrix("batch_norm", 1e-5, Cpu.batch_norm(&x, (&mean, &variance), &gain, &shift), &normal).await;
         to.matrix("normalize_rows", 1e-6, Cpu.normalize_rows(&x), &self.normalize_rows(&on_x)).await;
         to.matrix("softmax_rows", 1e-5, Cpu.softmax_rows(&x), &self.softmax_rows(&on_x)).await;
 
@@ -181,8 +184,10 @@ impl Gpu {
             (numbers.matrix(rows, COLUMNS, scale.min(4.0)), numbers.matrix(rows.min(KEYS), COLUMNS, 4.0));
         let (of_query, of_key) = (numbers.probabilities(rows), numbers.probabilities(key.nrows()));
         let value = numbers.matrix(key.nrows(), WIDE, scale);
-        let seen = self.attend((&up(&query), &up(&of_query)), (&up(&key), &up(&of_key)), &up(&value));
-        to.matrix("attend", 1e-5, Cpu.attend((&query, &of_query), (&key, &of_key), &value), &seen).await;
+        for (kernel, mask) in [("attend", Mask::Soft), ("attend within parts", Mask::Hard)] {
+            let seen = self.attend((&up(&query), &up(&of_query)), (&up(&key), &up(&of_key)), &up(&value), mask);
+            to.matrix(kernel, 1e-5, Cpu.attend((&query, &of_query), (&key, &of_key), &value, mask), &seen).await;
+        }
 
         let systems = rows.min(2 * WIDE);
         let mask = numbers.matrix(systems, UNKNOWNS, scale).mapv_into(f32::abs) + 0.1 * scale;

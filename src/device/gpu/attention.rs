@@ -4,6 +4,7 @@ use super::kernel::{Family, Kernel};
 use super::params::Attention;
 use super::recording::rows_per_dispatch;
 use super::{Gpu, GpuTensor};
+use crate::device::Mask;
 
 /// Queries, and columns of values, per workgroup.
 const TILE: usize = 64;
@@ -20,6 +21,7 @@ impl Gpu {
         (query, query_parts): (&GpuTensor, &GpuTensor),
         (key, key_parts): (&GpuTensor, &GpuTensor),
         value: &GpuTensor,
+        mask: Mask,
     ) -> GpuTensor {
         assert_eq!(query.cols, key.cols, "queries and keys have one length");
         assert_eq!(query_parts.cols, key_parts.cols, "queries and keys have the same parts");
@@ -40,6 +42,7 @@ impl Gpu {
             values: values as u32,
             first_query: 0,
             scale: (query.cols as f32).sqrt().recip(),
+            hard: u32::from(mask == Mask::Hard),
         };
         let bound = [query, query_parts, key, key_parts, value, &out].map(|tensor| &*tensor.memory);
         for first in (0..n).step_by(slab) {

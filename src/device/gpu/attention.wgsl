@@ -1,4 +1,4 @@
-// Attention with a soft mask, streaming: a workgroup takes 64 queries and 64 columns of the values, and goes over the keys 32 at a time. It keeps for each
+// Masked attention, streaming: a workgroup takes 64 queries and 64 columns of the values, and goes over the keys 32 at a time. It keeps for each
 // query the largest score so far and the sum of exponentials relative to it (Milakov & Gimelshein 2018, "Online normalizer calculation for softmax").
 
 struct Params {
@@ -11,6 +11,8 @@ struct Params {
     values: u32,
     first_query: u32,
     scale: f32,
+    // 1 where a key that shares no part with a query is not seen at all.
+    hard: u32,
 }
 
 @group(0) @binding(0) var<uniform> p: Params;
@@ -30,6 +32,8 @@ const ROW = 33u;
 const LEAST_SHARED = 1e-6;
 const LEAST_EXPONENT = -87.0;
 const LOWEST = -3.4028234e38;
+// Below any score: that of a key that is not seen.
+const UNSEEN = -3.0e38;
 
 // Four queries per vector; later four columns of values.
 var<workgroup> left: array<vec4<f32>, 272>;
@@ -115,7 +119,20 @@ fn products(of_parts: bool, first_query: u32, first_key: u32, lane: u32) -> arra
     return array(sums_0, sums_1, sums_2, sums_3);
 }
 
+// The score of a key that is seen only where a part is shared.
+fn within(score: f32, shared: f32) -> f32 {
+    if (shared > 0.0) {
+        return score + log(shared);
+    }
+    return LOWEST;
+}
+
 fn write_scores(place: u32, product: vec2<f32>, alike: vec2<f32>) {
+    if (p.hard == 1u) {
+        weights[place] = within(product.x * p.scale, alike.x);
+        weights[place + 1u] = within(product.y * p.scale, alike.y);
+        return;
+    }
     let scores = product * p.scale + log(alike + LEAST_SHARED);
     weights[place] = scores.x;
     weights[place + 1u] = scores.y;
@@ -170,7 +187,8 @@ fn attend(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             }
             var sum = 0.0;
             for (var j = 0u; j < KEYS; j++) {
-                let weight = select(0.0, exp(max(weights[row + j] - largest, LEAST_EXPONENT)), j < here);
+                let seen = j < here && (p.hard == 0u || weights[row + j] > UNSEEN);
+                let weight = select(0.0, exp(max(weights[row + j] - largest, LEAST_EXPONENT)), seen);
                 weights[row + j] = weight;
                 sum += weight;
             }

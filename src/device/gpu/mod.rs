@@ -13,6 +13,7 @@
 mod adapter;
 mod agreement;
 mod attention;
+mod batch_norm;
 mod columns;
 mod counters;
 mod cross_pairs;
@@ -40,7 +41,7 @@ pub use counters::GpuCounters;
 pub use pool::PoolSize;
 pub use tensor::{GpuIndices, GpuTensor};
 
-use super::Device;
+use super::{Device, Mask};
 use columns::ColumnKernels;
 use failure::{Failure, Watch};
 use kernel::Kernel;
@@ -73,6 +74,7 @@ pub struct Gpu {
 #[derive(Debug)]
 struct Kernels {
     attention: Kernel,
+    batch_norm: Kernel,
     columns: ColumnKernels,
     cross_pairs: Kernel,
     matmul: MatmulKernels,
@@ -88,6 +90,7 @@ impl Gpu {
         let adapter::Opened { info, device, queue, failure } = adapter::open(options).await?;
         let kernels = Kernels {
             attention: attention::kernel(&device),
+            batch_norm: batch_norm::kernel(&device),
             columns: ColumnKernels::new(&device),
             cross_pairs: cross_pairs::kernel(&device),
             matmul: MatmulKernels::new(&device),
@@ -237,6 +240,16 @@ impl Device for Gpu {
         self.by_rows(&self.kernels.rows.layer_norm, x, Some((gain, bias)), x.cols, 8)
     }
 
+    fn batch_norm(
+        &self,
+        x: &GpuTensor,
+        statistics: (&GpuTensor, &GpuTensor),
+        gain: &GpuTensor,
+        bias: &GpuTensor,
+    ) -> GpuTensor {
+        self.normalize_columns(x, statistics, gain, bias)
+    }
+
     fn multiply(&self, a: &GpuTensor, b: &GpuTensor) -> GpuTensor {
         assert_eq!(a.dim(), b.dim(), "values to multiply");
         self.by_value(&self.kernels.pointwise.multiply, a, [&b.memory, &b.memory], 1.0, 1)
@@ -271,8 +284,14 @@ impl Device for Gpu {
         self.by_rows(&self.kernels.rows.softmax_rows, x, None, x.cols, 5)
     }
 
-    fn attend(&self, query: (&GpuTensor, &GpuTensor), key: (&GpuTensor, &GpuTensor), value: &GpuTensor) -> GpuTensor {
-        self.stream_attention(query, key, value)
+    fn attend(
+        &self,
+        query: (&GpuTensor, &GpuTensor),
+        key: (&GpuTensor, &GpuTensor),
+        value: &GpuTensor,
+        mask: Mask,
+    ) -> GpuTensor {
+        self.stream_attention(query, key, value, mask)
     }
 
     fn solve_rows(&self, gram: &GpuTensor, right: &GpuTensor, mask: &GpuTensor) -> GpuTensor {

@@ -40,6 +40,8 @@ params! {
     Matmul for "matmul" { rows: u32, cols: u32, inner: u32, first_row: u32, chunk: u32, layers: u32, has_bias: u32 }
     /// Of work on one row at a time.
     Rows for "rows" { rows: u32, cols: u32 }
+    /// Of work on one column at a time.
+    BatchNorm for "batch_norm" { count: u32, cols: u32 }
     /// Of functions of single values.
     Pointwise for "pointwise" { count: u32, cols: u32, weight: f32 }
     /// Of copies.
@@ -48,7 +50,7 @@ params! {
     CrossPairs for "cross_pairs" { rows: u32 }
     /// Of attention.
     Attention for "attention" {
-        queries: u32, keys: u32, width: u32, parts: u32, values: u32, first_query: u32, scale: f32,
+        queries: u32, keys: u32, width: u32, parts: u32, values: u32, first_query: u32, scale: f32, hard: u32,
     }
     /// Of the comparison of two matrices' rows.
     NearestRows for "nearest_rows" { rows_x: u32, rows_y: u32, width: u32, first_row: u32, slab: u32 }

@@ -1,0 +1,492 @@
+//! Each element of the paper's configuration is there: without it one of these tests fails.
+#![cfg(feature = "train")]
+
+mod shapes;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
+
+use geose_fmap::train::bodies::BodyModel;
+use geose_fmap::train::bodies::parts::PARTS;
+use geose_fmap::train::bodies::parts::people;
+use geose_fmap::train::device::matrix;
+use geose_fmap::train::folds::cross_validate;
+use geose_fmap::train::labelled::LabelledScans;
+use geose_fmap::train::parameters::Parameters;
+use geose_fmap::train::pool::{Maker, Pool, SampleConfig, Stand};
+use geose_fmap::train::run::{RunConfig, train};
+use geose_fmap::train::sample::Sample;
+use geose_fmap::train::step::{embed, embed_together};
+use geose_fmap::{
+    Cpu, Device, Encoding, FunctionalMap, Mask, MatchOptions, Model, ModelConfig, Network, Norm, Parts, PrepareOptions,
+    Progress, Refinement, Shape, Solver, Source, Start, Weights, WeightsError, match_with, prepare_with,
+};
+use ndarray::{Array2, Axis, array, s};
+use pollster::block_on;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use shapes::{Random, body};
+
+/// Parts of the bodies of the generator.
+const PARTS: usize = 14;
+
+/// The paper's network, small.
+fn network() -> ModelConfig {
+    ModelConfig { width: 12, blocks: 2, features: 16, attention: 8, ..ModelConfig::paper() }
+}
+
+/// New parameters, as training starts with them; attention too has weights.
+struct Fresh(Random, BTreeMap<String, Array2<f32>>);
+
+impl Source<Array2<f32>> for Fresh {
+    fn tensor(&mut self, name: &str, [rows, cols]: [usize; 2], start: Start) -> Result<Array2<f32>, WeightsError> {
+        let spread = match start {
+            Start::Normal(0.0) => 0.3,
+            Start::Normal(spread) => spread,
+            _ => 0.0,
+        };
+        let level = if let Start::Constant(value) = start { value } else { -3.0 };
+        let level = if spread > 0.0 { 0.0 } else { level };
+        let made = Array2::from_shape_simple_fn((rows, cols), || level + spread * self.0.sign() as f32);
+        self.1.insert(name.to_owned(), made.clone());
+        Ok(made)
+    }
+}
+
+fn weights(config: &ModelConfig) -> Weights {
+    let mut source = Fresh(Random(3), BTreeMap::new());
+    Network::new(config, PARTS, &mut source).expect("a network");
+    Weights::new(config.clone(), people(), BTreeMap::new(), source.1)
+}
+
+/// Every twelfth point of a sample body, with its labels.
+fn scan(name: &str) -> Shape {
+    let whole = body(name);
+    let labels = whole.labels().expect("samples have labels");
+    let kept: Vec<usize> = (0..whole.points().len()).step_by(12).collect();
+    let points = kept.iter().map(|&i| whole.points()[i]).collect();
+    Shape::new(points, vec![], Some(kept.iter().map(|&i| labels[i]).collect())).expect("a cloud")
+}
+
+fn sample(shape: Shape, config: &ModelConfig) -> Sample {
+    Sample::new(shape, None, None, &SampleConfig::of(config, 1500)).expect("a sample")
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+#[test]
+fn training_normalises_channels_over_the_points_of_a_step_and_matching_by_what_training_saw() {
+    let config = network();
+    let samples = ["woman-standing.ply", "man-lunging.ply"].map(|name| sample(scan(name), &config));
+    let weights = weights(&config);
+    let mut parameters = Parameters::from_weights(&weights, ChaCha8Rng::seed_from_u64(1));
+    let network = Network::new(&config, PARTS, &mut parameters).expect("a network");
+    let (embeddings, found) = embed_together(&network, &samples.each_ref());
+    assert_eq!((embeddings.len(), found.len()), (2, config.blocks));
+
+    // The first layer's statistics are those of the heat of its inputs on both bodies together.
+    let [weight, bias, times] = ["input.weight", "input.bias", "block0.log_times"].map(|name| named(&weights, name));
+    let heat = |sample: &Sample| {
+        let x = Cpu.linear(&sample.inputs.channels, &weight, &bias);
+        let coefficients = Cpu.diffuse(&Cpu.matmul_tn(&sample.inputs.projector, &x), &sample.inputs.lambda, &times);
+        Cpu.matmul(&sample.inputs.phi, &coefficients)
+    };
+    let both = ndarray::concatenate![Axis(0), heat(&samples[0]), heat(&samples[1])];
+    let [mean, variance] = [both.mean_axis(Axis(0)).expect("points"), both.var_axis(Axis(0), 0.0)];
+    let near = |a: &Array2<f32>, b: &ndarray::Array1<f32>| {
+        a.row(0).iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4 + 1e-3 * b.abs())
+    };
+    assert_eq!(found[0].layer, "block0.norm");
+    assert!(near(&matrix(&found[0].mean), &mean) && near(&matrix(&found[0].variance), &variance));
+    let normal = Cpu.batch_norm(
+        &both,
+        (&matrix(&found[0].mean), &matrix(&found[0].variance)),
+        &Array2::ones((1, config.width)),
+        &Array2::zeros((1, config.width)),
+    );
+    let still = |c: usize| variance[c] < 1e-3;
+    for (c, column) in normal.columns().into_iter().enumerate().filter(|&(c, _)| !still(c)) {
+        let (mean, variance) = (column.mean().expect("points"), column.var(0.0));
+        assert!(mean.abs() < 1e-3 && (variance - 1.0).abs() < 0.02, "channel {c}: {mean}, {variance}");
+    }
+
+    // Until they are followed the weights say mean 0 and variance 1; after one step matching goes by what the step found.
+    let apart = |by_weights: &Array2<f32>| {
+        let by_points = matrix(&embeddings[0].features);
+        (by_weights - &by_points).iter().fold(0.0f32, |most, d| most.max(d.abs()))
+    };
+    let before = matrix(&embed(&network, &samples[0]).features);
+    parameters.follow(&found, 0).expect("followed");
+    let after = matrix(&embed(&network, &samples[0]).features);
+    assert!(apart(&before) > 0.05 && apart(&after) < 1e-3, "{} then {}", apart(&before), apart(&after));
+
+    // They are in the file, and another device reads them there.
+    let saved = parameters.weights(&config, &people(), false).to_bytes(false).expect("bytes");
+    let model = Model::new(Weights::from_bytes(&saved).expect("weights")).expect("a network");
+    assert!(near(&named(model.networks()[0].weights(), "block0.norm.mean"), &mean));
+    let matched = block_on(model.networks()[0].embed(&Cpu, &samples[0].inputs));
+    assert!(apart(&matched.features) < 1e-3);
+}
+
+fn named(weights: &Weights, name: &str) -> Array2<f32> {
+    weights.tensors().find(|(known, _)| *known == name).expect("a tensor").1.to_owned()
+}
+
+#[test]
+fn positions_join_after_the_network_and_before_attention() {
+    let config = network();
+    let turned = |shape: Shape| {
+        let points = shape.points().iter().map(|&[x, y, z]| [z, y, -x]).collect();
+        Shape::new(points, vec![], shape.labels().map(<[u32]>::to_vec)).expect("a cloud")
+    };
+    let scan = scan("woman-standing.ply");
+    let (still, moved) = (sample(scan.clone(), &config), sample(turned(scan), &config));
+    let weights = weights(&config);
+    let network = Network::new(&config, PARTS, &mut weights.on(&Cpu)).expect("a network");
+    // On one basis: a turned cloud has the same up to signs.
+    let mut moved_inputs = still.inputs.clone();
+    moved_inputs.encoded = moved.inputs.encoded.clone();
+    moved_inputs.points = moved.inputs.points.clone();
+    moved_inputs.moments = moved.inputs.moments.clone();
+    let channels = (&moved.inputs.channels - &still.inputs.channels).iter().fold(0.0f32, |most, d| most.max(d.abs()));
+    assert!(channels < 1e-3, "the network sees no positions: {channels}");
+    let [a, b] = [&still.inputs, &moved_inputs].map(|inputs| network.embed(&Cpu, &inputs.upload(&Cpu)));
+    assert_eq!(a.features.ncols(), config.feature_columns());
+    let own = s![.., ..config.features];
+    assert_eq!(a.features.slice(own), b.features.slice(own), "F is the same");
+    assert_eq!(a.logits, b.logits);
+    let psi = s![.., config.features..];
+    assert_eq!(Some(a.features.slice(psi).to_owned()), still.inputs.encoded, "ψ stands beside it");
+    assert_ne!(a.features.slice(psi), b.features.slice(psi));
+    // Attention sees them: what it adds to F differs too.
+    let parts = Array2::ones((a.features.nrows(), 1));
+    let keys = vec![0, 5, 9, 14];
+    let seen = |e: &Array2<f32>| network.compare(&Cpu, [(e, &parts, &keys), (&a.features, &parts, &keys)])[0].clone();
+    let (seen_a, seen_b) = (seen(&a.features), seen(&b.features));
+    let turned_by = |m: &Array2<f32>| {
+        m.slice(own).to_owned() / m.slice(own).map_axis(Axis(1), |r| r.dot(&r).sqrt()).insert_axis(Axis(1))
+    };
+    let apart = (turned_by(&seen_a) - turned_by(&seen_b)).iter().fold(0.0f32, |most, d| most.max(d.abs()));
+    assert!(apart > 1e-3, "{apart}");
+
+    // The default network is given them at once.
+    let default = ModelConfig { moments: 3, width: 12, ..ModelConfig::shipped() };
+    assert_eq!(
+        (default.encoding, sample(self::scan("woman-standing.ply"), &default).inputs.encoded),
+        (Encoding::Input, None)
+    );
+}
+
+#[test]
+fn attention_does_not_depend_on_other_parts_at_all() {
+    let values = |rows: usize, cols: usize, seed: u64| {
+        let mut random = Random(seed);
+        Array2::from_shape_simple_fn((rows, cols), || 2.0 * random.sign() as f32)
+    };
+    let one_hot = |of: &[usize]| Array2::from_shape_fn((of.len(), 4), |(i, part)| f32::from(u8::from(of[i] == part)));
+    let (query, key, value) = (values(4, 5, 1), values(6, 5, 2), values(6, 3, 3));
+    let (of_query, of_key) = (one_hot(&[0, 1, 0, 3]), one_hot(&[0, 1, 2, 0, 1, 2]));
+    let attend =
+        |key: &Array2<f32>, value: &Array2<f32>, mask| Cpu.attend((&query, &of_query), (key, &of_key), value, mask);
+    let (mut other_key, mut other_value) = (key.clone(), value.clone());
+    for other in [1, 2, 4, 5] {
+        other_key.row_mut(other).fill(30.0);
+        other_value.row_mut(other).fill(-1e6);
+    }
+    let rows_of_part_0 = |m: Array2<f32>| m.select(Axis(0), &[0, 2]);
+    let hard = attend(&key, &value, Mask::Hard);
+    assert_eq!(rows_of_part_0(attend(&other_key, &other_value, Mask::Hard)), rows_of_part_0(hard.clone()));
+    assert_ne!(
+        rows_of_part_0(attend(&other_key, &other_value, Mask::Soft)),
+        rows_of_part_0(attend(&key, &value, Mask::Soft))
+    );
+    // A convex combination of the keys of its part.
+    let seen = hard[(0, 0)];
+    assert!((value[(0, 0)].min(value[(3, 0)])..=value[(0, 0)].max(value[(3, 0)])).contains(&seen));
+    // No key is of the last query's part.
+    assert_eq!(hard.row(3), array![0.0, 0.0, 0.0]);
+
+    // Such a point keeps its own features through every layer.
+    let config = network();
+    let network = Network::new(&config, PARTS, &mut Fresh(Random(9), BTreeMap::new())).expect("a network");
+    let (a, b) = (values(4, config.feature_columns(), 4), values(6, config.feature_columns(), 5));
+    let [seen, _] = network.compare(&Cpu, [(&a, &of_query, &vec![0, 1, 2, 3]), (&b, &of_key, &vec![0, 1, 2, 3, 4, 5])]);
+    let own = Cpu.normalize_rows(&a);
+    assert_eq!(seen.row(3), own.row(3));
+    assert_ne!(seen.row(0), own.row(0));
+}
+
+#[test]
+fn attention_layers_build_on_each_other() {
+    let of = |layers: usize| {
+        let config = ModelConfig { attention_layers: layers, ..network() };
+        let mut source = Fresh(Random(9), BTreeMap::new());
+        let network = Network::new(&config, PARTS, &mut source).expect("a network");
+        let mut random = Random(11);
+        let mut features = || Array2::from_shape_simple_fn((7, config.feature_columns()), || random.unit() as f32);
+        let (a, b, parts) = (features(), features(), Array2::ones((7, 1)));
+        let all: Vec<u32> = (0..7).collect();
+        let layered =
+            source.1.keys().filter(|name| name.ends_with("out.weight") && name.starts_with("attention")).count();
+        (layered, network.compare(&Cpu, [(&a, &parts, &all), (&b, &parts, &all)]))
+    };
+    let ((one, after_one), (three, after_three)) = (of(1), of(3));
+    assert_eq!((one, three), (1, 3));
+    assert!((&after_one[0] - &after_three[0]).iter().any(|d| d.abs() > 1e-3));
+}
+
+#[test]
+fn least_squares_find_the_map_that_descriptors_agree_on() {
+    let (k, c) = (20, 60);
+    let mut random = Random(21);
+    let mut matrix = |rows, cols| Array2::from_shape_simple_fn((rows, cols), || random.sign());
+    let (map, g_a) = (matrix(k, k), matrix(k, c));
+    let g_b = map.dot(&g_a);
+    let lambda: Vec<f64> = (0..k).map(|j| 12.6 * j as f64).collect();
+    let error = |found: &Array2<f64>| (found - &map).iter().fold(0.0f64, |most, d| most.max(d.abs()));
+    assert!(error(&FunctionalMap::least_squares(g_a.view(), g_b.view()).matrix) < 1e-6);
+    let lambda = ndarray::ArrayView1::from(&lambda);
+    assert!(
+        error(&FunctionalMap::solve(g_a.view(), g_b.view(), lambda, lambda).matrix) > 0.1,
+        "the penalty pulls away"
+    );
+}
+
+/// The whole way in matching: 120 by 120, and with that solver.
+#[test]
+fn the_first_maps_are_of_120_eigenfunctions() {
+    let config = network();
+    let match_of = |config: &ModelConfig| {
+        let model = Model::new(weights(config)).expect("a network");
+        let options = PrepareOptions { points: 500, ..PrepareOptions::default() };
+        let [a, b] = ["woman-standing.ply", "man-lunging.ply"].map(|name| {
+            block_on(prepare_with(&model, scan(name), None, &options, &mut Progress::silent())).expect("prepared")
+        });
+        assert_eq!(a.embeddings[0].features.ncols(), config.feature_columns());
+        let options = MatchOptions {
+            parts: Parts::Given,
+            refine: Refinement::None,
+            network_only: true,
+            ..MatchOptions::default()
+        };
+        block_on(match_with(&model, &a, &b, &options, &mut Progress::silent())).expect("matched").c_ab.matrix
+    };
+    let least_squares = match_of(&config);
+    assert_eq!(least_squares.dim(), (120, 120));
+    let masked = match_of(&ModelConfig { solve: Solver::Masked, ..config.clone() });
+    assert!((&least_squares - &masked).iter().any(|d| d.abs() > 1e-2));
+    assert_eq!(match_of(&ModelConfig { map: 60, ..config }).dim(), (60, 60));
+}
+
+#[test]
+fn the_papers_configuration_has_all_its_elements() {
+    let network = ModelConfig::paper();
+    assert_eq!((network.norm, network.encoding, network.mask), (Norm::Batch, Encoding::Features, Mask::Hard));
+    assert_eq!((network.solve, network.map, network.eigenpairs), (Solver::LeastSquares, 120, 120));
+    assert_eq!((network.features, network.moments), (256, 0));
+    assert!(network.attention_layers > 1);
+    let (run, samples) = (RunConfig::paper(800), SampleConfig::paper(&network));
+    assert_eq!((run.batch, run.rate, run.steps * 2 * run.batch), (8, 1e-3, 100 * 800));
+    assert_eq!((samples.points, samples.spread, samples.stand), (5000, 0.0, Stand::Alike));
+}
+
+/// The label sets and meshes of the samples as a folder in the layout of `evaluate`: bodies cut down to clouds, all in the order of one template.
+fn labelled_folder(name: &str, parts: u32) -> PathBuf {
+    let folder = folder(name);
+    for part in ["shapes", "labels", "corres"] {
+        fs::create_dir_all(folder.join(part)).expect("a folder");
+    }
+    let names = ["woman-standing.ply", "woman-striding.ply", "man-standing.ply", "man-lunging.ply"];
+    for (i, name) in (0..6).map(|i| (i, names[i % 4])) {
+        let (points, faces, labels) = simplified(name, 300 + 20 * i);
+        let lines = |rows: &[u32]| rows.iter().map(|row| format!("{row}\n")).collect::<String>();
+        let off = format!(
+            "OFF\n{} {} 0\n{}{}",
+            points.len(),
+            faces.len(),
+            points.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect::<String>(),
+            faces.iter().map(|[a, b, c]| format!("3 {a} {b} {c}\n")).collect::<String>()
+        );
+        fs::write(folder.join(format!("shapes/scan_{i}.off")), off).expect("written");
+        let labels: Vec<u32> = labels.iter().map(|label| label % parts).collect();
+        fs::write(folder.join(format!("labels/scan_{i}.txt")), lines(&labels)).expect("written");
+        // A truth is needed to measure, not to learn: any vertices do.
+        let truth: Vec<u32> = (1..=50).collect();
+        fs::write(folder.join(format!("corres/scan_{i}.vts")), lines(&truth)).expect("written");
+    }
+    let names: Vec<String> = (0..parts).map(|part| format!("piece {part}")).collect();
+    fs::write(folder.join("labels.json"), serde_json::to_string(&names).expect("JSON")).expect("written");
+    folder
+}
+
+/// A ring of squares around the axis of a sample body is enough of a mesh: a tube through its points, with the labels of the nearest ones.
+fn simplified(name: &str, count: usize) -> (Vec<[f64; 3]>, Vec<[u32; 3]>, Vec<u32>) {
+    let whole = body(name);
+    let labels = whole.labels().expect("labels");
+    let (around, along) = (12, count / 12);
+    let mut points = Vec::new();
+    for i in 0..along {
+        let height = 0.05 + 1.5 * i as f64 / along as f64;
+        for j in 0..around {
+            let angle = std::f64::consts::TAU * j as f64 / around as f64;
+            points.push([0.2 * angle.cos(), height, (0.1 + 0.05 * height) * angle.sin()]);
+        }
+    }
+    let at = |i: usize, j: usize| (i * around + j % around) as u32;
+    let mut faces = Vec::new();
+    for (i, j) in (0..along - 1).flat_map(|i| (0..around).map(move |j| (i, j))) {
+        faces.extend([[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)]]);
+    }
+    let square = |p: &[f64; 3], q: &[f64; 3]| (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f64>();
+    let nearest = |p: &[f64; 3]| {
+        let best = (0..whole.points().len())
+            .min_by(|&i, &j| square(&whole.points()[i], p).total_cmp(&square(&whole.points()[j], p)));
+        labels[best.expect("points")]
+    };
+    let of_points = points.iter().map(nearest).collect();
+    (points, faces, of_points)
+}
+
+/// From a folder of labelled scans to measured weights, with three parts of one's own and the paper's network cut down.
+#[test]
+fn labelled_scans_are_trained_on_and_what_was_kept_is_measured() {
+    let (data, out) = (labelled_folder("labelled", 3), folder("labelled-out"));
+    let small = r#"{"width": 8, "blocks": 1, "features": 8, "attention": 4, "eigenpairs": 30, "map": 30}"#;
+    let trained = Command::new(env!("CARGO_BIN_EXE_train"))
+        .args(["--paper", "--points", "200", "--network", small, "--run", r#"{"steps": 3, "batch": 2}"#])
+        .arg("--data")
+        .arg(&data)
+        .arg("--out")
+        .arg(&out)
+        .output()
+        .expect("run");
+    assert!(trained.status.success(), "{}", String::from_utf8_lossy(&trained.stderr));
+    let said = String::from_utf8_lossy(&trained.stdout);
+    assert!(said.contains("4 scans to train on, 2 to test with"), "{said}");
+    let weights = Weights::from_bytes(&fs::read(out.join("weights.safetensors")).expect("written")).expect("weights");
+    assert_eq!((weights.category.parts.len(), weights.config.norm), (3, Norm::Batch));
+    assert!(named(&weights, "block0.norm.variance").iter().any(|&v| v != 1.0), "statistics were followed");
+    let pairs = fs::read_to_string(out.join("test-pairs.txt")).expect("written");
+    assert_eq!(pairs.lines().count(), 2);
+    // Each of those trained on as a mesh and as a cloud, and none of the others.
+    let samples = fs::read_dir(out.join("samples")).expect("there").filter(|entry| {
+        entry.as_ref().is_ok_and(|entry| entry.path().extension().is_some_and(|extension| extension == "sample"))
+    });
+    assert_eq!(samples.count(), 8);
+
+    for parts in ["given", "predicted"] {
+        let measured = Command::new(env!("CARGO_BIN_EXE_geose-fmap"))
+            .args([
+                "evaluate",
+                "--mode",
+                "cloud",
+                "--network-only",
+                "--refine",
+                "none",
+                "--json",
+                "-",
+                "--eigenpairs",
+                "60",
+            ])
+            .args(["--parts", parts])
+            .arg("--dataset")
+            .arg(&data)
+            .arg("--pairs")
+            .arg(out.join("test-pairs.txt"))
+            .arg("--weights")
+            .arg(out.join("weights.safetensors"))
+            .output()
+            .expect("run");
+        assert!(measured.status.success(), "{}", String::from_utf8_lossy(&measured.stderr));
+        let found: serde_json::Value = serde_json::from_slice(&measured.stdout).expect("JSON");
+        assert_eq!(found["pairs"], 2);
+        assert!(found["age"].as_f64().is_some_and(f64::is_finite), "{found}");
+    }
+}
+
+#[test]
+fn folds_of_labelled_scans_keep_both_samples_of_a_scan_together() {
+    let data = labelled_folder("labelled-folds", 14);
+    let scans = LabelledScans::open(&data).expect("labelled scans");
+    let config = ModelConfig { width: 6, blocks: 1, features: 6, eigenpairs: 20, map: 20, ..network() };
+    let samples = SampleConfig { scans: Some(scans.scans()), ..SampleConfig::of(&config, 200) };
+    let pool = Pool::open(&folder("labelled-fold-samples"), scans.samples(), &samples).expect("opened");
+    let pool = pool.per_body(scans.per_scan());
+    pool.fill(&scans.maker(&samples), &AtomicUsize::new(0), &AtomicBool::new(false));
+    pool.check().expect("made");
+    assert_eq!((pool.count, pool.bodies(), pool.body(0), pool.body(1), pool.body(2)), (8, 4, 0, 0, 1));
+    let (mesh, cloud) = (pool.get(0).expect("a mesh"), pool.get(1).expect("a cloud"));
+    assert_eq!((mesh.labels.len(), mesh.labels == cloud.labels), (cloud.labels.len(), true));
+    assert_ne!(mesh.inputs.lambda, cloud.inputs.lambda, "another operator");
+    let run = RunConfig { steps: 2, maps_from: 0, ..RunConfig::default() };
+    let best = cross_validate(&config, &[run], 2, &pool, &folder("labelled-folds-out")).expect("trained");
+    assert_eq!(best, Some(0));
+}
+
+#[test]
+fn a_folder_that_is_neither_is_refused_by_what_it_lacks() {
+    let (empty, out) = (folder("neither"), folder("neither-out"));
+    let tried = Command::new(env!("CARGO_BIN_EXE_train"))
+        .arg("--data")
+        .arg(&empty)
+        .arg("--out")
+        .arg(&out)
+        .output()
+        .expect("run");
+    let said = String::from_utf8_lossy(&tried.stderr);
+    assert!(!tried.status.success() && said.contains("there is no shapes/") && said.contains("generator"), "{said}");
+}
+
+/// A run that is stopped goes on with the same running statistics.
+#[test]
+fn a_run_with_batch_normalisation_goes_on_as_if_it_had_not_been_stopped() {
+    let config = ModelConfig { width: 6, blocks: 1, features: 6, eigenpairs: 20, map: 20, ..network() };
+    let samples = SampleConfig::of(&config, 500);
+    let place = folder("resumed-batch");
+    for (index, name) in ["woman-standing.ply", "man-lunging.ply"].into_iter().enumerate() {
+        let made = Sample::new(scan(name), None, None, &samples).expect("a sample");
+        made.save(&place.join(format!("{index:06}.sample"))).expect("saved");
+        let again = Sample::load(&place.join(format!("{index:06}.sample"))).expect("loaded");
+        assert_eq!(again.inputs.encoded.map(|encoded| encoded.dim()), made.inputs.encoded.map(|encoded| encoded.dim()));
+    }
+    let pool = Pool::open(&place, 2, &samples).expect("opened");
+    let run = RunConfig { steps: 4, batch: 2, ..RunConfig::paper(2) };
+    let (whole, pieces) = (folder("whole-batch"), folder("pieces-batch"));
+    assert!(train(&config, &run, &pool, &whole, None, f64::INFINITY).expect("trained"));
+    while !train(&config, &run, &pool, &pieces, None, 0.0).expect("trained") {}
+    let read = |folder: &Path| fs::read(folder.join("weights.safetensors")).expect("written");
+    assert_eq!(read(&whole), read(&pieces));
+}
+
+#[test]
+#[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]
+fn bodies_stand_alike_where_that_is_asked_for() {
+    let data = std::env::var_os("GEOSE_BODY_DATA").expect("GEOSE_BODY_DATA names a folder");
+    let model = BodyModel::load(Path::new(&data)).expect("body data");
+    let template = model.template(5000).expect("body data");
+    let config = SampleConfig { points: 600, ..SampleConfig::paper(&ModelConfig::paper()) };
+    let maker = Maker { model: &model, template: &template, atlas: None, config: &config };
+    let part = |name: &str| PARTS.iter().position(|part| *part == name).expect("a part") as u32;
+    for seed in 0..24 {
+        let sample = maker.sample(seed).expect("a sample");
+        assert_eq!(sample.labels.len(), 600);
+        let middle = |name: &str| {
+            let own: Vec<usize> = (0..600).filter(|&i| sample.labels[i] == part(name)).collect();
+            sample.inputs.points.select(Axis(0), &own).mean_axis(Axis(0)).expect("every part is there")
+        };
+        // Its own left is at +x, as for someone who faces +z with the head up; mirrored it would be at −x.
+        let across = middle("left thigh") - middle("right thigh");
+        let up = middle("torso") - (middle("left thigh") + middle("right thigh")) * 0.5;
+        println!("{seed}: across {across}, up {up}");
+        assert!(across[0] > 0.0 && across[0] > across[1].abs(), "seed {seed}: {across}");
+        assert!(up[1] > 0.0, "seed {seed}: {up}");
+    }
+}
