@@ -458,8 +458,10 @@ fn a_run_with_batch_normalisation_goes_on_as_if_it_had_not_been_stopped() {
     let (whole, pieces) = (folder("whole-batch"), folder("pieces-batch"));
     assert!(train(&config, &run, &pool, &whole, None, f64::INFINITY).expect("trained"));
     while !train(&config, &run, &pool, &pieces, None, 0.0).expect("trained") {}
-    let read = |folder: &Path| fs::read(folder.join("weights.safetensors")).expect("written");
-    assert_eq!(read(&whole), read(&pieces));
+    let read = |folder: &Path| {
+        Weights::from_bytes(&fs::read(folder.join("weights.safetensors")).expect("written")).expect("weights")
+    };
+    assert!(read(&whole) == read(&pieces));
 }
 
 #[test]
@@ -471,11 +473,13 @@ fn bodies_stand_alike_where_that_is_asked_for() {
     let config = SampleConfig { points: 600, ..SampleConfig::paper(&ModelConfig::paper()) };
     let maker = Maker { model: &model, template: &template, atlas: None, config: &config };
     let part = |name: &str| PARTS.iter().position(|part| *part == name).expect("a part") as u32;
-    for seed in 0..24 {
+    for seed in 0..40 {
         let sample = maker.sample(seed).expect("a sample");
-        assert_eq!(sample.labels.len(), 600);
+        // But for points too far from the body to count.
+        let n = sample.labels.len();
+        assert!((570..=600).contains(&n), "{n}");
         let middle = |name: &str| {
-            let own: Vec<usize> = (0..600).filter(|&i| sample.labels[i] == part(name)).collect();
+            let own: Vec<usize> = (0..n).filter(|&i| sample.labels[i] == part(name)).collect();
             sample.inputs.points.select(Axis(0), &own).mean_axis(Axis(0)).expect("every part is there")
         };
         // Its own left is at +x, as for someone who faces +z with the head up; mirrored it would be at −x.
