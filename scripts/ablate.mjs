@@ -23,7 +23,13 @@ const HEAD = [
 ];
 const losses = (changes) => ({ run: { losses: changes } });
 
-/** What differs from what ships. `laplacian` is the one of every cloud, in training and in matching; `parts` are where labels come from in matching. */
+/** The paper's configuration at the size of this table: of its 5000 points a scan ten minutes are a dozen steps. `changes` are what differs from it. */
+const paper = (changes = {}) => ({ paper: true, points: '1500', laplacian: 'geodesic-literal', ...changes });
+
+/**
+ * What differs from what ships, or from the paper's configuration: one thing each. `laplacian` is the one of every cloud, in training and in matching; `parts` are
+ * where labels come from in matching.
+ */
 export const VARIANTS = {
   'as it ships': { parts: ['predicted', 'given'] },
   'from labels and places': { teacher: 'data/weights/people.safetensors' },
@@ -34,37 +40,48 @@ export const VARIANTS = {
   'without cross-entropy of parts': losses({ parts: 0 }),
   'without attention': { network: { attention: 0 } },
   'without moments': { network: { moments: 0 } },
+  'batch normalisation': { network: { norm: 'batch' } },
+  'positions join before attention': { network: { encoding: 'features' } },
+  'attention kept to given parts': { network: { mask: 'hard' }, parts: ['given'] },
+  'least squares': { network: { solve: 'least-squares' } },
   'Euclidean Laplacian': { laplacian: 'euclidean' },
   "the paper's losses": losses({
     ...{ parts: 0, bijectivity: 0, orthogonality: 0, coupling: 0, semantic: 0.5, eigen: 1, features_orthogonal: 50 },
     ...{ temperature: 0.1, semantic_temperature: 0.1 },
   }),
-  'the paper as printed': { paper: true, laplacian: 'geodesic-literal' },
+  'the paper as printed': paper(),
+  'the paper, layer normalisation': paper({ network: { norm: 'layer' } }),
+  'the paper, positions at the input': paper({ network: { encoding: 'input' } }),
+  'the paper, soft mask': paper({ network: { mask: 'soft' } }),
+  'the paper, without attention': paper({ network: { attention: 0 } }),
+  'the paper, masked maps': paper({ network: { solve: 'masked' } }),
+  'the paper, density-normalised Laplacian': paper({ laplacian: 'geodesic' }),
 };
 
 /** Whether a variant's network learns parts. One that does not is given labels, like the paper's. */
-const learnsParts = ({ run, paper }) => !paper && run?.losses.parts !== 0;
+const learnsParts = ({ run, paper }) => !paper && run?.losses?.parts !== 0;
 
 /** Which labels the matches of a variant use, one row each. */
 export const partsOf = (variant) => variant.parts ?? [learnsParts(variant) ? 'predicted' : 'given'];
 
 /** Trains a variant from a seed; returns its weights, and the commit that they were trained at. */
 function train(name, variant, { minutes, bodies, folder, seed }) {
-  const { run: changes = {}, network = {}, laplacian, paper, teacher } = variant;
+  const { run: changes = {}, network = {}, laplacian, paper, points, teacher } = variant;
   const out = path.join(folder, name.replaceAll(/\W+/g, '-'), `seed-${seed}`);
   const weights = path.join(out, 'weights.safetensors');
   const done = path.join(out, 'done.json');
   const known = existsSync(done) ? JSON.parse(readFileSync(done, 'utf8')) : {};
   if (isDeepStrictEqual(known.variant, variant)) return { weights, commit: known.commit };
   rmSync(out, { recursive: true, force: true });
-  const kind = paper ? 'paper' : teacher ? 'places' : laplacian;
-  const samples = path.join(root, 'runs', `samples${kind ? `-${kind}` : ''}`);
+  const kind = [paper && 'alike', teacher && 'places', laplacian, network.encoding && `encoding-${network.encoding}`].filter(Boolean);
+  const samples = path.join(root, 'runs', ['samples', ...kind].join('-'));
   const trainer = (...more) =>
     runTrainer('train', [
       ...['--data', bodyData(), '--out', out, '--samples', samples, '--bodies', bodies],
       ...['--run', JSON.stringify({ ...changes, minutes, name, seed }), '--network', JSON.stringify(network)],
       ...(laplacian ? ['--laplacian', laplacian] : []),
       ...(paper ? ['--paper'] : []),
+      ...(points ? ['--points', points] : []),
       ...(teacher ? ['--teacher', teacher] : []),
       ...more,
     ]);

@@ -10,8 +10,7 @@ use std::process::Command;
 use std::sync::atomic::{AtomicBool, AtomicUsize};
 
 use geose_fmap::train::bodies::BodyModel;
-use geose_fmap::train::bodies::parts::PARTS;
-use geose_fmap::train::bodies::parts::people;
+use geose_fmap::train::bodies::parts::{PARTS, people};
 use geose_fmap::train::device::matrix;
 use geose_fmap::train::folds::cross_validate;
 use geose_fmap::train::labelled::LabelledScans;
@@ -29,9 +28,6 @@ use pollster::block_on;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shapes::{Random, body};
-
-/// Parts of the bodies of the generator.
-const PARTS: usize = 14;
 
 /// The paper's network, small.
 fn network() -> ModelConfig {
@@ -58,7 +54,7 @@ impl Source<Array2<f32>> for Fresh {
 
 fn weights(config: &ModelConfig) -> Weights {
     let mut source = Fresh(Random(3), BTreeMap::new());
-    Network::new(config, PARTS, &mut source).expect("a network");
+    Network::new(config, PARTS.len(), &mut source).expect("a network");
     Weights::new(config.clone(), people(), BTreeMap::new(), source.1)
 }
 
@@ -88,7 +84,7 @@ fn training_normalises_channels_over_the_points_of_a_step_and_matching_by_what_t
     let samples = ["woman-standing.ply", "man-lunging.ply"].map(|name| sample(scan(name), &config));
     let weights = weights(&config);
     let mut parameters = Parameters::from_weights(&weights, ChaCha8Rng::seed_from_u64(1));
-    let network = Network::new(&config, PARTS, &mut parameters).expect("a network");
+    let network = Network::new(&config, PARTS.len(), &mut parameters).expect("a network");
     let (embeddings, found) = embed_together(&network, &samples.each_ref());
     assert_eq!((embeddings.len(), found.len()), (2, config.blocks));
 
@@ -150,7 +146,7 @@ fn positions_join_after_the_network_and_before_attention() {
     let scan = scan("woman-standing.ply");
     let (still, moved) = (sample(scan.clone(), &config), sample(turned(scan), &config));
     let weights = weights(&config);
-    let network = Network::new(&config, PARTS, &mut weights.on(&Cpu)).expect("a network");
+    let network = Network::new(&config, PARTS.len(), &mut weights.on(&Cpu)).expect("a network");
     // On one basis: a turned cloud has the same up to signs.
     let mut moved_inputs = still.inputs.clone();
     moved_inputs.encoded = moved.inputs.encoded.clone();
@@ -216,7 +212,7 @@ fn attention_does_not_depend_on_other_parts_at_all() {
 
     // Such a point keeps its own features through every layer.
     let config = network();
-    let network = Network::new(&config, PARTS, &mut Fresh(Random(9), BTreeMap::new())).expect("a network");
+    let network = Network::new(&config, PARTS.len(), &mut Fresh(Random(9), BTreeMap::new())).expect("a network");
     let (a, b) = (values(4, config.feature_columns(), 4), values(6, config.feature_columns(), 5));
     let [seen, _] = network.compare(&Cpu, [(&a, &of_query, &vec![0, 1, 2, 3]), (&b, &of_key, &vec![0, 1, 2, 3, 4, 5])]);
     let own = Cpu.normalize_rows(&a);
@@ -229,7 +225,7 @@ fn attention_layers_build_on_each_other() {
     let of = |layers: usize| {
         let config = ModelConfig { attention_layers: layers, ..network() };
         let mut source = Fresh(Random(9), BTreeMap::new());
-        let network = Network::new(&config, PARTS, &mut source).expect("a network");
+        let network = Network::new(&config, PARTS.len(), &mut source).expect("a network");
         let mut random = Random(11);
         let mut features = || Array2::from_shape_simple_fn((7, config.feature_columns()), || random.unit() as f32);
         let (a, b, parts) = (features(), features(), Array2::ones((7, 1)));
@@ -462,8 +458,10 @@ fn a_run_with_batch_normalisation_goes_on_as_if_it_had_not_been_stopped() {
     let (whole, pieces) = (folder("whole-batch"), folder("pieces-batch"));
     assert!(train(&config, &run, &pool, &whole, None, f64::INFINITY).expect("trained"));
     while !train(&config, &run, &pool, &pieces, None, 0.0).expect("trained") {}
-    let read = |folder: &Path| fs::read(folder.join("weights.safetensors")).expect("written");
-    assert_eq!(read(&whole), read(&pieces));
+    let read = |folder: &Path| {
+        Weights::from_bytes(&fs::read(folder.join("weights.safetensors")).expect("written")).expect("weights")
+    };
+    assert!(read(&whole) == read(&pieces));
 }
 
 #[test]
@@ -475,11 +473,13 @@ fn bodies_stand_alike_where_that_is_asked_for() {
     let config = SampleConfig { points: 600, ..SampleConfig::paper(&ModelConfig::paper()) };
     let maker = Maker { model: &model, template: &template, atlas: None, config: &config };
     let part = |name: &str| PARTS.iter().position(|part| *part == name).expect("a part") as u32;
-    for seed in 0..24 {
+    for seed in 0..40 {
         let sample = maker.sample(seed).expect("a sample");
-        assert_eq!(sample.labels.len(), 600);
+        // But for points too far from the body to count.
+        let n = sample.labels.len();
+        assert!((570..=600).contains(&n), "{n}");
         let middle = |name: &str| {
-            let own: Vec<usize> = (0..600).filter(|&i| sample.labels[i] == part(name)).collect();
+            let own: Vec<usize> = (0..n).filter(|&i| sample.labels[i] == part(name)).collect();
             sample.inputs.points.select(Axis(0), &own).mean_axis(Axis(0)).expect("every part is there")
         };
         // Its own left is at +x, as for someone who faces +z with the head up; mirrored it would be at −x.

@@ -39,6 +39,23 @@ test('a row shows the mean over seeds, what each seed gave, and how sure that is
 
 test('only networks that do not learn parts are given them, and what ships for comparison', () => {
   const given = Object.keys(VARIANTS).filter((name) => partsOf(VARIANTS[name]).includes('given'));
-  assert.deepEqual(given, ['as it ships', 'without cross-entropy of parts', "the paper's losses", 'the paper as printed']);
+  const ours = given.filter((name) => !VARIANTS[name].paper);
+  assert.deepEqual(ours, ['as it ships', 'without cross-entropy of parts', 'attention kept to given parts', "the paper's losses"]);
+  const papers = Object.keys(VARIANTS).filter((name) => VARIANTS[name].paper);
+  assert.deepEqual(
+    papers.filter((name) => !given.includes(name)),
+    [],
+  );
   assert.deepEqual(partsOf(VARIANTS['without moments']), ['predicted']);
+});
+
+test("a variant of the paper's differs from it in one thing", () => {
+  const base = VARIANTS['the paper as printed'];
+  const changed = (variant) => [
+    ...Object.keys(variant.network ?? {}),
+    ...['points', 'laplacian', 'run'].filter((key) => variant[key] !== base[key]),
+  ];
+  const names = Object.keys(VARIANTS).filter((name) => name.startsWith('the paper,'));
+  assert.ok(names.length > 3);
+  for (const name of names) assert.equal(changed(VARIANTS[name]).length, 1, name);
 });

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use super::device::{Autodiff, matrix, tensor};
 use super::losses::{LossWeights, Side, Terms, functional_maps, losses, one_hot};
 use super::sample::Sample;
-use crate::device::{Cpu, Device};
+use crate::device::{Cpu, Device, Mask};
 use crate::network::{Embedding, Network, Solver, Statistics};
 
 /// Key points that attention looks at in training.
@@ -51,7 +51,8 @@ impl Forward {
     ) -> Self {
         let device = Autodiff;
         let labels = pair.map(|sample| tensor(one_hot(&sample.labels, a.logits.dims()[1]).view()));
-        let masks = [mask(losses, &a.logits, &labels[0]), mask(losses, &b.logits, &labels[1])];
+        let given = network.config.mask == Mask::Hard || losses.parts == 0.0;
+        let masks = [mask(given, &a.logits, &labels[0]), mask(given, &b.logits, &labels[1])];
         let keys = pair.map(|sample| {
             let n = sample.inputs.len();
             sample_rows(rng, n, KEYS.min(n)).into_iter().map(|i| i as u32).collect::<Vec<u32>>()
@@ -105,22 +106,23 @@ impl Forward {
     }
 }
 
-/// Probabilities of parts that attention masks with: predicted ones as in matching, or where nothing teaches the network parts given labels, as in the paper.
-fn mask(losses: &LossWeights, logits: &Tensor, labels: &Tensor) -> Tensor {
-    if losses.parts > 0.0 { Autodiff.softmax_rows(&logits.detach()) } else { labels.clone() }
+/// Probabilities of parts that attention masks with: predicted ones as in matching, or where the mask is hard or nothing teaches the network parts `given` labels,
+/// as in the paper.
+fn mask(given: bool, logits: &Tensor, labels: &Tensor) -> Tensor {
+    if given { labels.clone() } else { Autodiff.softmax_rows(&logits.detach()) }
 }
 
 #[cfg(test)]
 mod tests {
     use ndarray::array;
 
-    use super::{Autodiff, Device, LossWeights, mask, matrix, tensor};
+    use super::{Autodiff, Device, mask, matrix, tensor};
 
     #[test]
-    fn attention_masks_with_labels_unless_parts_are_learned() {
+    fn attention_masks_with_labels_where_they_are_given_and_else_as_predicted() {
         let (logits, labels) = (tensor(array![[0.5, -2.0]].view()), tensor(array![[0.0, 1.0]].view()));
-        let of = |losses: LossWeights| matrix(&mask(&losses, &logits, &labels));
-        assert_eq!(of(LossWeights::paper()), matrix(&labels));
-        assert_eq!(of(LossWeights::default()), matrix(&Autodiff.softmax_rows(&logits)));
+        let of = |given: bool| matrix(&mask(given, &logits, &labels));
+        assert_eq!(of(true), matrix(&labels));
+        assert_eq!(of(false), matrix(&Autodiff.softmax_rows(&logits)));
     }
 }
