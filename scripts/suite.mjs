@@ -47,7 +47,7 @@ export function countResults(text, status) {
 /** The times that a runner tells of: cargo's of its build and of each binary, Node's of each test. */
 export function timesIn(text) {
   const builds = [...text.matchAll(/^ *Finished `(.*)` profile .* in (?:(\d+)m )?([\d.]+)s$/gm)];
-  const binaries = [...text.matchAll(/^ *(?:Running (?:unittests )?(\S+) |(Doc-tests) )/gm)];
+  const binaries = [...text.matchAll(/^ *(?:Running (?:unittests )?(\S+\.rs) \(|(Doc-tests) )/gm)];
   const results = [...text.matchAll(/^test result: .* finished in ([\d.]+)s$/gm)];
   return [
     ...builds.map(([, profile, minutes, seconds]) => ({

@@ -26,6 +26,7 @@ test('the times of builds, binaries and tests are read, and a group is not count
   const cargo = [
     '    Finished `test` profile [optimized + debuginfo] target(s) in 2m 03s',
     '     Running unittests src/lib.rs (target/debug/deps/geose_fmap-0123)',
+    'Running headless tests in Chrome on `http://127.0.0.1:41203/`',
     'test result: ok. 3 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.50s',
     '     Running tests/gold.rs (target/debug/deps/gold-0123)',
     'test result: ok. 2 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 12.25s',
