@@ -37,16 +37,19 @@ const TESTED = ['--locked', '--features', 'train,gpu'];
 /** The crate as it is published: the packed files, and no others, pass their tests. */
 async function testCrate() {
   await step('packing the crate', unpackCrate);
-  return testRust(crateFolder);
+  return testRust(crateFolder, ONCE);
 }
 
+/** For what is built from the packed crate: it is seldom built twice, and the first time is quicker so. */
+const ONCE = { CARGO_INCREMENTAL: '0' };
+
 /** The crate in `folder` natively. Tests that read data which is not part of it run where that is, and count as skipped elsewhere. */
-async function testRust(folder) {
+async function testRust(folder, more = {}) {
   // A Vulkan driver in software; other systems bring one of their own.
   if (isDebian()) ensurePackages(['libvulkan1', 'mesa-vulkan-drivers'], 'A Vulkan driver to test the GPU with is missing');
   const data = { GEOSE_BODY_DATA: presentBodyData(), GEOSE_EVAL_DIR: process.env.GEOSE_EVAL_DIR };
   const present = Object.entries(data).filter(([, place]) => place);
-  const env = environment([], Object.fromEntries(present.map(([name, place]) => [name, path.resolve(place)])));
+  const env = environment([], { ...more, ...Object.fromEntries(present.map(([name, place]) => [name, path.resolve(place)])) });
   const test = (...args) => runSuite('cargo', ['test', '--no-fail-fast', ...TESTED, ...args], env, { cwd: folder });
   const counts = await test();
   const remarks = [];
@@ -117,7 +120,7 @@ async function testPage() {
   await step('building the native program', () => {
     unpackCrate();
     // As a part of a test, which is what the tests of the crate have made.
-    run('cargo', ['test', '--no-run', ...TESTED, '--test', 'exports'], { cwd: crateFolder });
+    run('cargo', ['test', '--no-run', ...TESTED, '--test', 'exports'], { cwd: crateFolder, env: environment([], ONCE) });
   });
   const { browser } = ensureChromium();
   const { address, close } = await serveSite({ port: 0 });
