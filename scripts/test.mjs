@@ -1,4 +1,4 @@
-// Every test there is, one suite after the other; `npm test -- rust page` runs only those.
+// Every test there is, one suite after the other, each with a table of what took longest; `npm test -- crate page` runs only those.
 import { readFileSync, readdirSync } from 'node:fs';
 import path from 'node:path';
 import { ensurePackages, isDebian } from './apt.mjs';
