@@ -171,11 +171,11 @@ await main(import.meta, async (names) => {
     });
     results.push(counts);
     const took = elapsed();
+    const costs = slowest(takeCosts());
+    if (costs.length > 0) console.log(`\nwhat took longest in suite ${name}:\n${costs.join('\n')}`);
     const remarks = (counts.remarks ?? []).map((remark) => `\n  ${remark}`);
-    const costs = slowest(takeCosts()).map((line) => `\n  ${line}`);
     const seconds = `${Math.round(took.seconds)} s${ofProcessor(took)}`;
-    lines.push(`${counts.failed > 0 ? '✖' : '✔'} ${name}: ${tell(counts)} in ${seconds}${remarks.join('')}${costs.join('')}`);
-    console.log(`\n${lines.at(-1)}`);
+    lines.push(`${counts.failed > 0 ? '✖' : '✔'} ${name}: ${tell(counts)} in ${seconds}${remarks.join('')}`);
   }
   const total = sumOf(results);
   console.log(`\n${lines.join('\n')}\n${tell(total)}`);
