@@ -119,8 +119,7 @@ async function testPage() {
   await step('building the page', buildSite);
   await step('building the native program', () => {
     unpackCrate();
-    // As a part of a test, which is what the tests of the crate have made.
-    run('cargo', ['test', '--no-run', ...TESTED, '--test', 'exports'], { cwd: crateFolder, env: environment([], ONCE) });
+    run('cargo', ['build', ...TESTED, '--bin', 'geose-fmap'], { cwd: crateFolder, env: environment([], ONCE) });
   });
   const { browser } = ensureChromium();
   const { address, close } = await serveSite({ port: 0 });
