@@ -1,4 +1,5 @@
 // What every commit must pass: formats, lints, types and licences, in Rust and TypeScript.
+import { note, stopwatch } from './costs.mjs';
 import { checkLicences } from './licences.mjs';
 import { compilePackage } from './package.mjs';
 import { environment, main, run } from './run.mjs';
@@ -24,7 +25,7 @@ export async function check() {
   };
   const counts = { passed: 0, failed: 0, skipped: 0 };
   for (const [name, action] of Object.entries(checks)) {
-    const started = performance.now();
+    const elapsed = stopwatch();
     let failure;
     try {
       action();
@@ -32,8 +33,9 @@ export async function check() {
       failure = error;
     }
     counts[failure ? 'failed' : 'passed']++;
-    const seconds = ((performance.now() - started) / 1000).toFixed(1);
-    console.log(failure ? `✖ ${name}: ${failure.message}` : `✔ ${name} (${seconds} s)`);
+    const { seconds, processor } = elapsed();
+    note(name, seconds, processor);
+    console.log(failure ? `✖ ${name}: ${failure.message}` : `✔ ${name} (${seconds.toFixed(1)} s)`);
   }
   return counts;
 }

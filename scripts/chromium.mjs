@@ -23,7 +23,7 @@ export const webgpu = ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshad
 
 /**
  * Finds a browser (`CHROME`, then the PATH) and its driver (`CHROMEDRIVER`, then the PATH); installs Debian's when there is none.
- * `driver` is null when there is only a browser: wasm-pack then fetches the driver itself.
+ * `driver` is null when there is only a browser, which is enough for all but the crate's tests in it.
  */
 export function ensureChromium() {
   const found = findBrowser();

@@ -15,7 +15,7 @@ const MARKER = path.join(DEBIAN_STD, 'built-by');
 const DEBIAN = { RUSTUP_TOOLCHAIN: 'debian', CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER: 'wasm-ld-22' };
 
 /**
- * Variables under which cargo, clippy and wasm-pack can build for wasm32: none on a developer's machine.
+ * Variables under which cargo and clippy can build for wasm32: none on a developer's machine.
  * Installs what is missing.
  */
 export function wasmRust() {

@@ -1,15 +1,16 @@
-// Every test there is, one suite after the other; `npm test -- rust page` runs only those.
+// Every test there is, one suite after the other, each with a table of what took longest; `npm test -- crate page` runs only those.
 import { readFileSync, readdirSync } from 'node:fs';
 import path from 'node:path';
 import { ensurePackages, isDebian } from './apt.mjs';
 import { check } from './check.mjs';
 import { ensureChromium, webgpu, writeWebdriver } from './chromium.mjs';
-import { buildNative, nativeProgram } from './native.mjs';
+import { ofProcessor, note, slowest, step, stopwatch, takeCosts } from './costs.mjs';
+import { crateFolder, unpackCrate } from './crate.mjs';
 import { packPackage } from './package.mjs';
-import { Failure, environment, main, root, say } from './run.mjs';
+import { Failure, environment, main, root, run, say } from './run.mjs';
 import { serveSite } from './serve.mjs';
 import { buildSite } from './site.mjs';
-import { runSuite } from './suite.mjs';
+import { runSuite, sumOf } from './suite.mjs';
 import { wasmEnvironment } from './toolchain.mjs';
 import { presentBodyData } from './train.mjs';
 import { buildWasm } from './wasm.mjs';
@@ -21,19 +22,35 @@ export const DATA = ['GEOSE_EVAL_DIR', 'GEOSE_BODY_DATA'];
 const SUITES = {
   check,
   scripts: () => runNode('scripts/tests'),
-  rust: testCrate,
+  crate: testCrate,
   wasm: testInBrowser,
   package: testPackage,
   page: testPage,
 };
 
-/** The crate natively. Tests that read data which is not part of it run where that is, and count as skipped elsewhere. */
+/** The tests of `crate`, run where one works on them. Only when asked for: they pass if those do. */
+const ON_REQUEST = { rust: () => testRust(root) };
+
+/** What cargo tests. Everything that is built for it natively is built so, and once. */
+const TESTED = ['--locked', '--features', 'train,gpu'];
+
+/** The crate as it is published: the packed files, and no others, pass their tests. */
 async function testCrate() {
+  await step('packing the crate', unpackCrate);
+  return testRust(crateFolder, ONCE);
+}
+
+/** For what is built from the packed crate: it is seldom built twice, and the first time is quicker so. */
+const ONCE = { CARGO_INCREMENTAL: '0' };
+
+/** The crate in `folder` natively. Tests that read data which is not part of it run where that is, and count as skipped elsewhere. */
+async function testRust(folder, more = {}) {
   // A Vulkan driver in software; other systems bring one of their own.
   if (isDebian()) ensurePackages(['libvulkan1', 'mesa-vulkan-drivers'], 'A Vulkan driver to test the GPU with is missing');
-  const bodies = presentBodyData();
-  const env = environment([], bodies ? { GEOSE_BODY_DATA: bodies } : {});
-  const test = (...args) => runSuite('cargo', ['test', '--locked', '--no-fail-fast', '--features', 'train,gpu', ...args], env);
+  const data = { GEOSE_BODY_DATA: presentBodyData(), GEOSE_EVAL_DIR: process.env.GEOSE_EVAL_DIR };
+  const present = Object.entries(data).filter(([, place]) => place);
+  const env = environment([], { ...more, ...Object.fromEntries(present.map(([name, place]) => [name, path.resolve(place)])) });
+  const test = (...args) => runSuite('cargo', ['test', '--no-fail-fast', ...TESTED, ...args], env, { cwd: folder });
   const counts = await test();
   const remarks = [];
   for (const variable of DATA) {
@@ -62,74 +79,104 @@ export function readersOf(variable) {
 /** The crate in a real browser, without WebGPU and with it. Release builds, because the module has already made their dependencies. */
 async function testInBrowser() {
   const { browser, driver } = ensureChromium();
-  const drive = driver ? ['--chromedriver', driver] : [];
-  const env = { ...wasmEnvironment(), WASM_BINDGEN_TEST_TIMEOUT: '600' };
-  const test = async (switches, args) => {
-    writeWebdriver(browser, switches);
-    return runSuite(
-      'wasm-pack',
-      ['test', '--release', '--headless', '--chrome', ...drive, '--', '--locked', '--features', 'gpu', ...args],
-      env,
-    );
+  if (!driver) throw new Failure('A chromedriver for the browser is missing: install one, or name it in CHROMEDRIVER.');
+  const sizes = {};
+  for (const kind of ['without WebGPU', 'with WebGPU']) sizes[kind] = await step(`the module ${kind}`, () => buildWasm(kind));
+  if (sizes['with WebGPU'].raw <= sizes['without WebGPU'].raw)
+    throw new Failure('The module without WebGPU is no smaller than the one with it.');
+  const env = {
+    ...wasmEnvironment(),
+    CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUNNER: 'wasm-bindgen-test-runner',
+    CHROMEDRIVER: driver,
+    WASM_BINDGEN_TEST_ONLY_WEB: '1',
+    WASM_BINDGEN_TEST_TIMEOUT: '600',
   };
-  const sizes = [await buildWasm('with WebGPU'), await buildWasm('without WebGPU')];
-  if (sizes[0].raw <= sizes[1].raw) throw new Failure('The module without WebGPU is no smaller than the one with it.');
   // One build for both: a browser without WebGPU has to get along with a module that has it.
-  const runs = [await test([], ['--test', 'wasm']), await test(webgpu, ['--test', 'gpu_in_browser'])];
-  return runs.reduce((sum, counts) => ({
-    passed: sum.passed + counts.passed,
-    failed: sum.failed + counts.failed,
-    skipped: sum.skipped + counts.skipped,
-  }));
+  const test = ['test', '--release', '--target', 'wasm32-unknown-unknown', '--locked', '--features', 'gpu'];
+  await step('building the tests for wasm32', () =>
+    run('cargo', [...test, '--no-run', '--test', 'wasm', '--test', 'gpu_in_browser'], { env }),
+  );
+  const runs = [];
+  for (const [name, switches] of Object.entries({ wasm: [], gpu_in_browser: webgpu })) {
+    writeWebdriver(browser, switches);
+    runs.push(await runSuite('cargo', [...test, '--test', name], env));
+  }
+  return sumOf(runs);
 }
+
+/** Tests of the package that measure time: nothing else runs beside them. */
+const MEASURED = ['cancel.test.mjs', 'crash.test.mjs', 'plain.test.mjs', 'samples.test.mjs'];
 
 /** The tarball as customers install it: in Node, in bundlers, in a browser. */
 async function testPackage() {
-  const tarball = await packPackage();
+  const tarball = await step('packing the package', packPackage);
   const { browser } = ensureChromium();
-  return runNode('pkg-template/tests', { GEOSE_TARBALL: tarball, CHROME: browser });
+  return runNode('pkg-template/tests', { GEOSE_TARBALL: tarball, CHROME: browser }, MEASURED);
 }
 
-/** The built page in a real browser, its maps held against the native program's. */
+/** The built page in a real browser, its maps held against those of the native program that the crate was tested with. */
 async function testPage() {
-  await buildSite();
-  buildNative();
+  await step('building the page', buildSite);
+  await step('building the native program', () => {
+    unpackCrate();
+    run('cargo', ['build', ...TESTED, '--bin', 'geose-fmap'], { cwd: crateFolder, env: environment([], ONCE) });
+  });
   const { browser } = ensureChromium();
   const { address, close } = await serveSite({ port: 0 });
   try {
-    return await runNode('www/tests', { GEOSE_SITE_URL: address, GEOSE_NATIVE: nativeProgram, CHROME: browser });
+    const native = path.join(root, 'target/debug/geose-fmap');
+    return await runNode('www/tests', { GEOSE_SITE_URL: address, GEOSE_NATIVE: native, CHROME: browser });
   } finally {
     await close();
   }
 }
 
-/** Runs the `*.test.mjs` of a folder, one after the other: they measure time and share two cores. */
-function runNode(folder, variables = {}) {
+/** Runs the `*.test.mjs` of a folder, two at a time, and then those that are to be `alone`. */
+async function runNode(folder, variables = {}, alone = []) {
   const files = readdirSync(path.join(root, folder)).filter((name) => name.endsWith('.test.mjs'));
   if (files.length === 0) throw new Failure(`${folder} holds no *.test.mjs: nothing ran`);
-  const runner = ['--test', '--test-reporter=spec', '--test-concurrency=1'];
-  const paths = files.sort().map((name) => path.join(folder, name));
-  return runSuite(process.execPath, [...runner, ...paths], environment([], variables));
+  const missing = alone.filter((name) => !files.includes(name));
+  if (missing.length > 0) throw new Failure(`${folder} holds no ${missing.join(', ')}`);
+  const env = environment([], variables);
+  const results = [];
+  const runFile = async (name, quiet) => {
+    const elapsed = stopwatch();
+    const file = path.join(folder, name);
+    results.push(await runSuite(process.execPath, ['--test', '--test-reporter=spec', file], env, { quiet }));
+    note(`all of ${file}`, elapsed().seconds);
+  };
+  const queue = files.filter((name) => !alone.includes(name)).sort();
+  const work = async () => {
+    while (queue.length > 0) await runFile(queue.shift(), true);
+  };
+  await Promise.all([work(), work()]);
+  for (const name of alone) await runFile(name, false);
+  return sumOf(results);
 }
 
 await main(import.meta, async (names) => {
-  const unknown = names.filter((name) => !(name in SUITES));
-  if (unknown.length > 0) throw new Failure(`No such suite: ${unknown.join(', ')}. There are ${Object.keys(SUITES).join(', ')}.`);
+  const all = { ...SUITES, ...ON_REQUEST };
+  const unknown = names.filter((name) => !(name in all));
+  if (unknown.length > 0) throw new Failure(`No such suite: ${unknown.join(', ')}. There are ${Object.keys(all).join(', ')}.`);
   wasmEnvironment();
-  const total = { passed: 0, failed: 0, skipped: 0 };
+  const results = [];
   const lines = [];
   for (const name of names.length > 0 ? names : Object.keys(SUITES)) {
     say(`suite ${name}`);
-    const started = performance.now();
-    const counts = await SUITES[name]().catch((failure) => {
+    const elapsed = stopwatch();
+    const counts = await all[name]().catch((failure) => {
       console.error(`✖ ${failure instanceof Failure ? failure.message : failure.stack}`);
       return { passed: 0, failed: 1, skipped: 0 };
     });
-    for (const kind of Object.keys(total)) total[kind] += counts[kind];
-    const seconds = Math.round((performance.now() - started) / 1000);
+    results.push(counts);
+    const took = elapsed();
+    const costs = slowest(takeCosts());
+    if (costs.length > 0) console.log(`\nwhat took longest in suite ${name}:\n${costs.join('\n')}`);
     const remarks = (counts.remarks ?? []).map((remark) => `\n  ${remark}`);
-    lines.push(`${counts.failed > 0 ? '✖' : '✔'} ${name}: ${tell(counts)} in ${seconds} s${remarks.join('')}`);
+    const seconds = `${Math.round(took.seconds)} s${ofProcessor(took)}`;
+    lines.push(`${counts.failed > 0 ? '✖' : '✔'} ${name}: ${tell(counts)} in ${seconds}${remarks.join('')}`);
   }
+  const total = sumOf(results);
   console.log(`\n${lines.join('\n')}\n${tell(total)}`);
   if (total.failed > 0) process.exitCode = 1;
 });

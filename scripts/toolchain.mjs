@@ -8,7 +8,7 @@ import { environment, main, run } from './run.mjs';
 import { wasmRust } from './rust.mjs';
 import { ensureTools, toolFolders } from './tools.mjs';
 
-/** The environment in which cargo, clippy and wasm-pack build this crate for wasm32. */
+/** The environment in which cargo and clippy build this crate for wasm32. */
 export function wasmEnvironment() {
   ensureNodeModules();
   const rust = wasmRust();
@@ -33,5 +33,5 @@ await main(import.meta, () => {
   const { RUSTUP_TOOLCHAIN = 'as it is' } = wasmEnvironment();
   const { browser, driver } = ensureChromium();
   writeWebdriver(browser);
-  console.log(`Rust for wasm32: ${RUSTUP_TOOLCHAIN}; browser: ${browser}; driver: ${driver ?? 'fetched by wasm-pack'}`);
+  console.log(`Rust for wasm32: ${RUSTUP_TOOLCHAIN}; browser: ${browser}; driver: ${driver ?? 'none'}`);
 });

@@ -31,10 +31,14 @@ fn matched(a: &PreparedShape, b: &PreparedShape, options: &MatchOptions) -> Matc
     match_shapes(a, b, options, &mut Progress::silent()).expect("matched")
 }
 
-/// Both samples with fewer points and eigenpairs, for what is not about accuracy.
+/// Few points and eigenpairs, for what is not about accuracy: a GPU in software is slow.
+fn few() -> PrepareOptions {
+    PrepareOptions { points: 400, eigenpairs: 40, ..PrepareOptions::default() }
+}
+
+/// Both samples with few points.
 fn small() -> [PreparedShape; 2] {
-    let options = PrepareOptions { points: 800, eigenpairs: 60, ..PrepareOptions::default() };
-    ["woman-standing.ply", "man-lunging.ply"].map(|name| prepared(body(name), &options))
+    ["woman-standing.ply", "man-lunging.ply"].map(|name| prepared(body(name), &few()))
 }
 
 /// What a piece of work asked of the GPU.
@@ -118,7 +122,6 @@ fn faust_scans_are_matched_as_on_the_cpu() {
 
 #[test]
 fn a_gpu_lost_in_any_stage_leaves_the_map_of_the_cpu() {
-    let options = PrepareOptions { points: 800, eigenpairs: 60, ..PrepareOptions::default() };
     let [a, b] = small();
     let expected = matched(&a, &b, &MatchOptions::default());
     for (stage, least) in
@@ -148,7 +151,7 @@ fn a_gpu_lost_in_any_stage_leaves_the_map_of_the_cpu() {
         }
         true
     });
-    let prepared = block_on(prepare_with(&model, body("woman-standing.ply"), None, &options, &mut progress));
+    let prepared = block_on(prepare_with(&model, body("woman-standing.ply"), None, &few(), &mut progress));
     let prepared = prepared.expect("prepared");
     assert_eq!(prepared.info.fallback.as_ref().expect("the CPU took over").stage, Stage::Features);
     assert_eq!(prepared.embeddings, a.embeddings);

@@ -1,4 +1,4 @@
-// What wasm-pack puts into geose_fmap.js, typed as tightly as the crate promises it. All of it but the GPU is synchronous; a typed
+// What wasm-bindgen puts into geose_fmap.js, typed as tightly as the crate promises it. All of it but the GPU is synchronous; a typed
 // error is a plain `{ code, message, details }`, anything else thrown is a trap.
 import type { Device as DeviceInfo, Laplacian, Match, SolvedSpectrum, Stage } from './results.js';
 import type { LaplacianOptions, MatcherOptions, MatchOptions, PrepareOptions } from './options.js';

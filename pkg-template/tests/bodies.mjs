@@ -74,7 +74,7 @@ const LIMBS = [
 ];
 
 /** A lump with limbs. `bend` turns it about z, the further up the more: nearly an isometry, and point i stays point i. */
-export function lump({ frequency = 12, bend = 0 } = {}) {
+export function lump({ frequency = 8, bend = 0 } = {}) {
   const { positions, faces } = sphere(frequency);
   for (let i = 0; i < positions.length; i += 3) {
     const unit = positions.subarray(i, i + 3);

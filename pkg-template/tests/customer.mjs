@@ -5,7 +5,7 @@ import { lump } from './bodies.mjs';
 export async function run(Matcher, options = {}, preparing = { eigenpairs: 60 }) {
   const matcher = await Matcher.create(options);
   const a = await matcher.prepare(lump(), preparing);
-  const b = await matcher.prepare(lump({ frequency: 11, bend: 0.3 }), preparing);
+  const b = await matcher.prepare(lump({ frequency: 7, bend: 0.3 }), preparing);
   const controller = new AbortController();
   const onProgress = () => controller.abort();
   const cancelled = await matcher.match(a, b, { signal: controller.signal, onProgress }).catch((error) => error.code);

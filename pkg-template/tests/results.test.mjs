@@ -6,7 +6,7 @@ import { installedPackage } from './installed.mjs';
 const { Matcher, PreparedShape, UNMATCHED, STAGES, installed } = await installedPackage();
 const OPTIONS = { eigenpairs: 60 };
 const A = lump();
-const B = lump({ frequency: 11, bend: 0.3 });
+const B = lump({ frequency: 7, bend: 0.3 });
 const points = ({ positions }) => positions.length / 3;
 const bytesOf = (array) => Buffer.from(array.buffer, array.byteOffset, array.byteLength);
 

@@ -8,7 +8,7 @@ import { run } from './customer.mjs';
 import { installedPackage, project } from './installed.mjs';
 
 /** Few points: a GPU in software is slow. */
-const SMALL = { points: 400, eigenpairs: 40 };
+const SMALL = { points: 250, eigenpairs: 30 };
 
 describe('a page in a browser with WebGPU, in software', () => {
   let browser, expected;
@@ -73,7 +73,7 @@ describe('a page in a browser with WebGPU, in software', () => {
       const lose = (stage) => matcher[Symbol.for('geose-fmap.lose')](stage);
       await lose('features');
       const a = await matcher.prepare(lump(), small);
-      const b = await matcher.prepare(lump({ frequency: 11, bend: 0.3 }), small);
+      const b = await matcher.prepare(lump({ frequency: 7, bend: 0.3 }), small);
       await lose('refine');
       const lost = await matcher.match(a, b);
       const next = await matcher.match(a, b, { refine: 'none' });
