@@ -367,3 +367,15 @@ fn bases_of_different_size_use_the_smaller_and_say_so() {
     assert_eq!((found.c_ab.matrix.dim(), found.c_ba.matrix.dim()), ((20, 20), (20, 20)));
     assert!(found.warnings.iter().any(|w| w.contains("20 and 40")), "{:?}", found.warnings);
 }
+
+#[test]
+fn without_the_network_the_scale_of_an_operator_changes_no_map() {
+    // An operator whose eigenvalues are all half as large again, as one on a cloud may have them: by Weyl's law that is its own affair.
+    let shape = PreparedShape { embedding: None, ..prepared(blob(3).shape(), &quick()) };
+    let mut scaled = shape.clone();
+    scaled.basis.eigenvalues *= 1.5;
+    let options = MatchOptions { refine: Refinement::None, ..Default::default() };
+    let [expected, found] = [&shape, &scaled].map(|other| matched(&shape, other, &options).c_ab.matrix);
+    let most = (&expected - &found).iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+    assert!(most < 1e-9, "{most:e}");
+}

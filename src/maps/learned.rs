@@ -5,7 +5,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis, concatenate, s};
 use super::functional_map::{FunctionalMap, functional_maps};
 use super::{MapPair, Matchable};
 use crate::device::{Device, Interrupted, still_well};
-use crate::network::{Model, PointEmbedding, weyl_factor};
+use crate::network::{Model, PointEmbedding};
 use crate::progress::Stage;
 
 /// Basis size of the first maps, as in training.
@@ -79,7 +79,7 @@ pub async fn learned_maps<D: Device>(
         device.matmul_tn(&device.upload(projector.mapv(|v| v as f32).view()), features)
     });
     let lambda = [a, b].map(|m| {
-        let weyl = weyl_factor(&m.basis);
+        let weyl = m.basis.weyl_factor();
         m.basis.eigenvalues.iter().take(k).map(|l| l / weyl).collect::<Vec<f64>>()
     });
     let [c_ab, c_ba] = functional_maps(device, [&projected[0], &projected[1]], [&lambda[0], &lambda[1]]);

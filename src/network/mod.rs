@@ -15,7 +15,7 @@ mod weights;
 pub(crate) use category::meeting;
 pub use category::{GROUP_OF_PART, GROUPS, PARTS};
 pub use config::{ModelConfig, Position};
-pub use inputs::{ShapeInputs, weyl_factor};
+pub use inputs::ShapeInputs;
 #[cfg(feature = "train")]
 pub(crate) use model::PRIOR;
 pub use model::{Model, PointEmbedding};

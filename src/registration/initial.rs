@@ -169,10 +169,10 @@ fn wide(indices: &[u32]) -> Vec<usize> {
 
 fn solve_both(a: &Matchable, b: &Matchable, g_a: ArrayView2<f64>, g_b: ArrayView2<f64>, k: usize) -> MapPair {
     let (g_a, g_b) = (g_a.slice(s![..k, ..]), g_b.slice(s![..k, ..]));
-    let (lambda_a, lambda_b) = (a.basis.eigenvalues.slice(s![..k]), b.basis.eigenvalues.slice(s![..k]));
+    let [lambda_a, lambda_b] = [a, b].map(|m| m.basis.eigenvalues.slice(s![..k]).mapv(|l| l / m.basis.weyl_factor()));
     MapPair {
-        c_ab: FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b).matrix,
-        c_ba: FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a).matrix,
+        c_ab: FunctionalMap::solve(g_a, g_b, lambda_a.view(), lambda_b.view()).matrix,
+        c_ba: FunctionalMap::solve(g_b, g_a, lambda_b.view(), lambda_a.view()).matrix,
     }
 }
 
