@@ -6,7 +6,7 @@ mod distortion;
 
 pub(crate) use calibration::confidence;
 #[cfg(feature = "train")]
-pub(crate) use calibration::{Fit, Situation, fit, probability};
+pub(crate) use calibration::{Fit, Situation, fit_of_faults, probability};
 #[cfg(feature = "train")]
 pub(crate) use cues::CUES;
 pub(crate) use cues::Cues;

@@ -8,7 +8,7 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::confidence::{CUES, Fit, Situation, fit, probability};
+use crate::confidence::{CUES, Fit, Situation, fit_of_faults, probability};
 use crate::network::{Model, PRIOR, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
@@ -119,7 +119,7 @@ pub fn refit(
     let (best, others): (Vec<_>, Vec<_>) =
         points.iter().partition(|(s, points)| s.registered && points.width == features);
     for (&situation, points) in best {
-        let found = fit(&points.right, OTHERS + features, |i, row| {
+        let found = fit_of_faults(&points.right, OTHERS + features, |i, row| {
             row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[OTHERS..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
         });
@@ -141,7 +141,7 @@ pub fn refit(
         if points.width == features { trust_of(column, points.features(i)) } else { 0.0 }
     };
     for (&situation, points) in others {
-        let found = fit(&points.right, CUES, |i, row| {
+        let found = fit_of_faults(&points.right, CUES, |i, row| {
             row[..OTHERS].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[OTHERS] = trusted(&situation, points, i);
         });

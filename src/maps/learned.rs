@@ -90,7 +90,20 @@ pub async fn learned_maps<D: Device>(
     still_well(device, Stage::FunctionalMap)?;
     let columns = |from: usize, count: usize| down.slice(s![.., from..from + count]);
     // Judged by what the network says alone: what a user knows says nothing about it.
-    let maps = MapPair { c_ab: columns(0, k).to_owned(), c_ba: columns(k, k).to_owned() };
+    let mut maps = MapPair { c_ab: columns(0, k).to_owned(), c_ba: columns(k, k).to_owned() };
+    let [lambda_a, lambda_b] = [ArrayView1::from(&lambda[0]), ArrayView1::from(&lambda[1])];
+    let learned = |side: usize| columns(2 * k + side * width, width);
+    let solve_both = |g_a: ArrayView2<f64>, g_b: ArrayView2<f64>| MapPair {
+        c_ab: FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b).matrix,
+        c_ba: FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a).matrix,
+    };
+    if !maps.is_finite() {
+        // In f64 a system is positive definite that is not in f32.
+        maps = solve_both(learned(0), learned(1));
+        if !maps.is_finite() {
+            return Err(Interrupted::NotFinite(Stage::FunctionalMap));
+        }
+    }
     let off = |there_and_back: Array2<f64>| (there_and_back - Array2::<f64>::eye(k)).iter().map(|v| v * v).sum::<f64>();
     let out_of_distribution = OutOfDistribution {
         bijectivity: (off(maps.c_ab.dot(&maps.c_ba)) + off(maps.c_ba.dot(&maps.c_ab))) / (2 * k) as f64,
@@ -98,15 +111,10 @@ pub async fn learned_maps<D: Device>(
     };
     let maps = match known {
         Some((known_a, known_b)) => {
-            let joined = |learned: usize, known: ArrayView2<f64>| {
-                concatenate![Axis(1), columns(2 * k + learned * width, width), known.slice(s![..k, ..])]
+            let joined = |side: usize, known: ArrayView2<f64>| {
+                concatenate![Axis(1), learned(side), known.slice(s![..k, ..])]
             };
-            let (g_a, g_b) = (joined(0, known_a), joined(1, known_b));
-            let [lambda_a, lambda_b] = [ArrayView1::from(&lambda[0]), ArrayView1::from(&lambda[1])];
-            MapPair {
-                c_ab: FunctionalMap::solve(g_a.view(), g_b.view(), lambda_a, lambda_b).matrix,
-                c_ba: FunctionalMap::solve(g_b.view(), g_a.view(), lambda_b, lambda_a).matrix,
-            }
+            solve_both(joined(0, known_a).view(), joined(1, known_b).view())
         }
         None => maps,
     };

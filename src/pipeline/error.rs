@@ -34,6 +34,12 @@ pub enum Error {
     /// Bytes that should be a prepared shape are not.
     #[error(transparent)]
     Block(#[from] BlockError),
+    /// Something that a match computes with holds what is no finite number.
+    #[error("{what}: there is something in it that is no finite number")]
+    NotFinite {
+        /// What.
+        what: String,
+    },
     /// The listener asked for a stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -77,6 +83,7 @@ impl Error {
             Error::Device(e) => e.code(),
             Error::Option(e) => e.code(),
             Error::Block(e) => e.code(),
+            Error::NotFinite { .. } => "not-finite",
             Error::Cancelled(_) => "cancelled",
         }
     }
@@ -91,6 +98,7 @@ impl Error {
             Error::Device(e) => e.details(),
             Error::Option(e) => e.details(),
             Error::Block(e) => json!({ "reason": e.to_string() }),
+            Error::NotFinite { what } => json!({ "what": what }),
             Error::Cancelled(e) => json!({ "stage": e.stage }),
         }
     }

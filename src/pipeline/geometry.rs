@@ -1,5 +1,7 @@
 //! What a shape is matched by before a network looks at it: operator, basis, descriptors, and the surface around a sampling.
 
+use std::borrow::Cow;
+
 use ndarray::{Array2, Axis};
 
 use super::Error;
@@ -19,27 +21,33 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// Of `shape`, whose points are the carriers; `coarse` are rows of points used. `filter` weakens edges of a cloud.
+    /// Of `shape`, whose points are the carriers; `coarse` are rows of points used. `filter` weakens edges of a cloud. The basis has the larger number of
+    /// `eigenpairs`; descriptors and surface are made from the first of the two.
     pub(crate) fn of(
         shape: &Shape,
         kind: LaplacianKind,
         filter: Option<EdgeFilter>,
         (support, coarse): (&Support, &[u32]),
-        eigenpairs: usize,
+        eigenpairs: [usize; 2],
         progress: &mut Progress,
     ) -> Result<Self, Error> {
         let laplacian = operators::laplacian_filtered(shape, kind, filter, progress)?;
-        let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, eigenpairs, progress)?;
+        let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, eigenpairs[0].max(eigenpairs[1]), progress)?;
         progress.at(Stage::Features, 0.0)?;
-        let features = wave_kernel_signature(&basis).values;
+        let asked = match basis.k() > eigenpairs[0] {
+            true => Cow::Owned(basis.truncated(eigenpairs[0])),
+            false => Cow::Borrowed(&basis),
+        };
+        let features = wave_kernel_signature(&asked).values;
         let (features, surface) = match &support.used {
-            None => (features, SampledSurface::around(shape, coarse, &basis, filter)),
+            None => (features, SampledSurface::around(shape, coarse, &asked, filter)),
             Some(used) => {
                 let carriers: Vec<u32> = coarse.iter().map(|&row| used[row as usize]).collect();
                 let rows: Vec<usize> = used.iter().map(|&row| row as usize).collect();
-                (features.select(Axis(0), &rows), SampledSurface::around(shape, &carriers, &basis, filter).at(used))
+                (features.select(Axis(0), &rows), SampledSurface::around(shape, &carriers, &asked, filter).at(used))
             }
         };
+        drop(asked);
         Ok(Self { laplacian, basis, report, features, surface })
     }
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use super::given::{labels_used, landmarks, parts_in_common, shared_labels, side_by_side};
+use super::given::{labels_used, landmark_rows, landmarks, parts_in_common, shared_labels, side_by_side};
 use super::hypotheses::{BestMaps, Pair, best_maps};
+use super::thinned::MATCHED;
 use super::warnings::{UNTRAINED, contradicted, doubts, labelled_otherwise, verdict, warnings};
 use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
 use crate::confidence::{Cues, stretch};
@@ -14,7 +15,7 @@ use crate::lifting::lift;
 use crate::maps::{Correspondence, FunctionalMap, Matchable};
 use crate::network::Model;
 use crate::progress::{Progress, Stage};
-use crate::registration::Refined;
+use crate::registration::{Constraints, Refined, sampled_at};
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
@@ -74,7 +75,9 @@ pub(crate) async fn match_with_cues<D: Device>(
     options: &MatchOptions,
     progress: &mut Progress<'_>,
 ) -> Result<(Match, [Cues; 2]), Error> {
-    progress.at(Stage::FunctionalMap, 0.0)?;
+    let mut heard = |_| progress.at(Stage::FunctionalMap, 0.0);
+    heard(0.0)?;
+    let (a, b) = (&*a.thinned(MATCHED, &mut heard)?, &*b.thinned(MATCHED, &mut heard)?);
     let parts = match options.parts {
         Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
         Parts::Predicted | Parts::None => None,
@@ -86,32 +89,52 @@ pub(crate) async fn match_with_cues<D: Device>(
     {
         return Err(OptionError::no_shared_labels(of_a[0], of_b[0]).into());
     }
-    let sides = [a, b].map(|shape| {
+    let known_rows = landmark_rows(a, b, &options.landmarks)?;
+    let mut sides = [a, b].map(|shape| {
         let prior = shape.embedding.as_ref().and_then(|embedding| model.prior(embedding));
         Matchable { prior, ..shape.matchable() }
     });
+    for (scan, side) in ["A", "B"].into_iter().zip(&sides) {
+        if !side.is_finite() {
+            return Err(Error::NotFinite { what: format!("scan {scan} as it was prepared") });
+        }
+    }
+    if !known_rows.is_empty() {
+        let [side_a, side_b] = sides;
+        let rows = |side: usize| known_rows.iter().map(move |pair| pair[side]);
+        sides = [sampled_at(side_a, rows(0)), sampled_at(side_b, rows(1))];
+    }
     let [side_a, side_b] = &sides;
     let known = [
-        landmarks(a, b, side_a, side_b, &options.landmarks)?,
+        landmarks(&sides, &known_rows),
         parts.map(|(of_a, of_b)| parts_in_common(side_a, of_a, side_b, of_b)),
     ];
     let known = side_by_side(known.into_iter().flatten());
-    let pair = Pair { shapes: [a, b], sides: &sides, known, parts };
+    let constraints = Constraints { parts, landmarks: &known_rows };
+    let pair = Pair { shapes: [a, b], sides: &sides, known, constraints };
 
     let (best, fallback) = match best_maps(model, &pair, options, progress).await {
-        Err(Interrupted::Failed(fallback)) => {
-            (best_maps(&model.on_cpu(), &pair, options, progress).await, Some(fallback))
+        Err(interrupted @ (Interrupted::Failed(_) | Interrupted::NotFinite(_))) => {
+            (best_maps(&model.on_cpu(), &pair, options, progress).await, interrupted.fallback())
         }
         best => (best, None),
     };
-    let BestMaps { refined: Refined { a_to_b, b_to_a, maps, cues }, raw, out_of_distribution, weights } = match best {
+    let BestMaps { refined, raw, out_of_distribution, weights, contradicted: by_landmarks } = match best {
         Ok(best) => best,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+        Err(Interrupted::NotFinite(stage)) => {
+            return Err(Error::NotFinite { what: format!("what stage {} came to", stage.name()) });
+        }
         Err(Interrupted::Failed(_)) => unreachable!("the CPU does not fail"),
     };
+    let Refined { a_to_b, b_to_a, maps, cues, .. } = refined;
     let untrained = out_of_distribution.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
-    warnings.extend(out_of_distribution.and_then(|at_home| verdict(at_home, weights.is_null())));
+    let without = weights.is_null();
+    match out_of_distribution {
+        Some(at_home) if by_landmarks && without && !at_home.is_of_others() => warnings.push(BY_LANDMARKS.to_owned()),
+        at_home => warnings.extend(at_home.and_then(|at_home| verdict(at_home, without))),
+    }
     let predicted = match (&a.embedding, &b.embedding, out_of_distribution) {
         (Some(of_a), Some(of_b), Some(at_home)) if !at_home.is_of_others() => Some([&of_a.parts, &of_b.parts]),
         _ => None,
@@ -119,6 +142,7 @@ pub(crate) async fn match_with_cues<D: Device>(
     warnings
         .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));
     warnings.extend(doubts(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
+    progress.at(Stage::Correspondence, 0.9)?;
     let (mut a_to_b, mut b_to_a) = (
         lift(&a_to_b, a.sampled(), b.sampled(), labels),
         lift(&b_to_a, b.sampled(), a.sampled(), labels.map(|(of_a, of_b)| (of_b, of_a))),
@@ -146,6 +170,9 @@ pub(crate) async fn match_with_cues<D: Device>(
     };
     Ok((matched, cues))
 }
+
+/// Why the network's map was not taken.
+const BY_LANDMARKS: &str = "unsure: the landmarks contradict the network's map; one made without it agrees with them better and was taken";
 
 /// C of bases whose masses sum to 1 as C of the bases that users hold.
 fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape) -> Array2<f64> {

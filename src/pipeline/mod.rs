@@ -10,6 +10,7 @@ mod options;
 mod prepare;
 mod prepared;
 mod processor;
+mod thinned;
 mod warnings;
 
 pub use error::Error;

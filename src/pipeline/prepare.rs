@@ -40,7 +40,14 @@ pub async fn prepare_with<D: Device>(
     options: &PrepareOptions,
     progress: &mut Progress<'_>,
 ) -> Result<PreparedShape, Error> {
-    let (mut prepared, operator_shape, laplacian) = prepare_with_shape(shape, name, options, progress)?;
+    let wanted = model.weights().config.eigenpairs;
+    let (mut prepared, operator_shape, laplacian) = prepare_with_shape(shape, name, options, wanted, progress)?;
+    if prepared.basis.k() < wanted {
+        let found = prepared.basis.k();
+        let message =
+            format!("the scan has {found} eigenpairs and the network looks at {wanted}: it sees less of it than it should");
+        prepared.repairs.push(Repair::noted("few-eigenpairs", found, message));
+    }
     // Kept through the network only where it may be needed again.
     let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
     let laplacian = by_default.then_some(laplacian);
@@ -50,7 +57,7 @@ pub async fn prepare_with<D: Device>(
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
         let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
         let meet = |i: u32, j: u32| f64::from(meeting(parts.row(i as usize), parts.row(j as usize)));
-        let apart = Geometry::of(&operator_shape, kind, Some(&meet), sampled, options.eigenpairs, &mut within);
+        let apart = Geometry::of(&operator_shape, kind, Some(&meet), sampled, [options.eigenpairs, prepared.basis.k()], &mut within);
         drop(within);
         match apart {
             Ok(apart) => {
@@ -71,6 +78,9 @@ pub async fn prepare_with<D: Device>(
         }
     }
     progress.at(Stage::Features, 1.0)?;
+    if prepared.basis.k() > prepared.info.eigenpairs {
+        prepared.basis = prepared.basis.truncated(prepared.info.eigenpairs);
+    }
     prepared.info.seconds = progress.take_seconds();
     Ok(prepared)
 }
@@ -104,25 +114,30 @@ async fn ask<D: Device>(
     let embedding = match embed(model, &inputs).await {
         Ok(embedding) => embedding,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
-        Err(Interrupted::Failed(fallback)) => {
-            prepared.info.fallback = Some(fallback);
+        Err(interrupted) => {
+            prepared.info.fallback = interrupted.fallback();
             model.on_cpu().embed(&inputs).await
         }
     };
+    if !embedding.is_finite() {
+        return Err(Error::NotFinite { what: "what the network says of a scan".to_owned() });
+    }
     Ok(prepared.embedding.insert(embedding).parts.clone())
 }
 
 async fn embed<D: Device>(model: &Model<D>, inputs: &ShapeInputs) -> Result<PointEmbedding, Interrupted> {
     let embedding = model.embed(inputs).await;
     still_well(model.device(), Stage::Features)?;
-    Ok(embedding)
+    if embedding.is_finite() { Ok(embedding) } else { Err(Interrupted::NotFinite(Stage::Features)) }
 }
 
-/// All of [`prepare`] but the network, the shape that operators were built on (its points are the carriers), and its Laplacian.
+/// All of [`prepare`] but the network, the shape that operators were built on (its points are the carriers), and its Laplacian. The basis has `wanted` eigenpairs
+/// where more were not asked for; memory for those that were must be there, for the others it is nice to have.
 pub(crate) fn prepare_with_shape(
     shape: Shape,
     name: Option<String>,
     options: &PrepareOptions,
+    wanted: usize,
     progress: &mut Progress,
 ) -> Result<(PreparedShape, Shape, Laplacian), Error> {
     options.check()?;
@@ -148,6 +163,7 @@ pub(crate) fn prepare_with_shape(
     let more = if on_mesh { THIN_LIMIT } else { options.points / 2 };
     let most = options.points.saturating_add(more).max(if on_mesh { MESH_LIMIT } else { 0 });
     check_size(surface.len().min(most), options.eigenpairs)?;
+    let wanted = if check_size(surface.len().min(most), wanted).is_ok() { wanted } else { 0 };
     let Crumbs { body: surface, crumbs, far, pieces: crumb_count } = set_crumbs_aside(&used_shape, &surface);
     repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
         let bits = counted(crumb_count, "bit", "bits");
@@ -185,7 +201,7 @@ pub(crate) fn prepare_with_shape(
         (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
     let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
 
-    let geometry = Geometry::of(&operator_shape, kind, None, (&support, &coarse), options.eigenpairs, progress)?;
+    let geometry = Geometry::of(&operator_shape, kind, None, (&support, &coarse), [options.eigenpairs, wanted], progress)?;
     let Geometry { laplacian, basis, report, features, surface } = geometry;
     repairs.extend(not_proved(&report, &basis));
 
@@ -200,7 +216,7 @@ pub(crate) fn prepare_with_shape(
         up_axis: options.up.or(as_read.up()).or_else(|| longest_axis(&used)),
         scale: operators::surface_area(&operator_shape, &laplacian).sqrt(),
         laplacian: kind,
-        eigenpairs: basis.k(),
+        eigenpairs: basis.k().min(options.eigenpairs),
         residual: report.residual,
         seconds: BTreeMap::new(),
         fallback: None,
