@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use super::given::{labels_used, landmark_rows, landmarks, parts_in_common, shared_labels, side_by_side};
-use super::hypotheses::{BestMaps, Pair, best_maps};
+use super::hypotheses::{BestMaps, Instead, Pair, best_maps};
 use super::thinned::MATCHED;
 use super::warnings::{UNTRAINED, contradicted, doubts, labelled_otherwise, verdict, warnings};
 use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
@@ -15,7 +15,7 @@ use crate::lifting::lift;
 use crate::maps::{Correspondence, FunctionalMap, Matchable};
 use crate::network::Model;
 use crate::progress::{Progress, Stage};
-use crate::registration::{Constraints, Refined, sampled_at};
+use crate::registration::{Constraints, INSIDE_OUT, Refined, sampled_at};
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
@@ -119,7 +119,7 @@ pub(crate) async fn match_with_cues<D: Device>(
         }
         best => (best, None),
     };
-    let BestMaps { refined, raw, out_of_distribution, weights, contradicted: by_landmarks } = match best {
+    let BestMaps { refined, raw, out_of_distribution, weights, instead, chirality } = match best {
         Ok(best) => best,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
         Err(Interrupted::NotFinite(stage)) => {
@@ -131,10 +131,11 @@ pub(crate) async fn match_with_cues<D: Device>(
     let untrained = out_of_distribution.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
     let without = weights.is_null();
-    match out_of_distribution {
-        Some(at_home) if by_landmarks && without && !at_home.is_of_others() => warnings.push(BY_LANDMARKS.to_owned()),
-        at_home => warnings.extend(at_home.and_then(|at_home| verdict(at_home, without))),
+    match (out_of_distribution, instead) {
+        (Some(at_home), Some(instead)) if without && !at_home.is_of_others() => warnings.push(taken_instead(instead)),
+        (at_home, _) => warnings.extend(at_home.and_then(|at_home| verdict(at_home, without))),
     }
+    warnings.extend((chirality < INSIDE_OUT).then(|| MIRRORED.to_owned()));
     let predicted = match (&a.embedding, &b.embedding, out_of_distribution) {
         (Some(of_a), Some(of_b), Some(at_home)) if !at_home.is_of_others() => Some([&of_a.parts, &of_b.parts]),
         _ => None,
@@ -172,7 +173,16 @@ pub(crate) async fn match_with_cues<D: Device>(
 }
 
 /// Why the network's map was not taken.
-const BY_LANDMARKS: &str = "unsure: the landmarks contradict the network's map; one made without it agrees with them better and was taken";
+fn taken_instead(instead: Instead) -> String {
+    let against = match instead {
+        Instead::Landmarks => "the landmarks contradict the network's map; one made without it agrees with them better",
+        Instead::InsideOut => "the network's map turns the surface inside out; one made without it does not",
+    };
+    format!("unsure: {against} and was taken")
+}
+
+/// Of a map that keeps lengths and exchanges left and right.
+const MIRRORED: &str = "the map turns the surface inside out: one of the scans seems to be mirrored, or left and right are exchanged";
 
 /// C of bases whose masses sum to 1 as C of the bases that users hold.
 fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape) -> Array2<f64> {

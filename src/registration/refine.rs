@@ -202,10 +202,11 @@ pub async fn refine<D: Device>(
     let ((parts_a, parts_b), (extra_a, extra_b)) =
         (constraints.parts.unzip(), extra.map(|[on_a, on_b]| (on_a, on_b)).unzip());
     let nearby = constraints.nearby();
-    let near = (!nearby.is_empty() && refinement != Refinement::None).then(|| {
+    let near = (!nearby.is_empty()).then(|| {
         [(a, 0), (b, 1)].map(|(shape, side): (_, usize)| nearness(shape, nearby.iter().map(move |pair| pair[side])))
     });
-    let (near_a, near_b) = near.as_ref().map(|[on_a, on_b]| (on_a, on_b)).unzip();
+    let drawing = near.as_ref().filter(|_| refinement != Refinement::None);
+    let (near_a, near_b) = drawing.map(|[on_a, on_b]| (on_a, on_b)).unzip();
     let full = [
         Side::new(device, a, extra_a, near_a, parts_a, largest),
         Side::new(device, b, extra_b, near_b, parts_b, largest),
