@@ -190,6 +190,21 @@ fn a_mirrored_body_is_not_matched_as_itself_but_with_its_sides_exchanged() {
 }
 
 #[test]
+fn a_mirrored_cloud_is_matched_with_its_sides_exchanged() {
+    for file in shapes::BODIES {
+        let original = body(file);
+        let labels = original.labels().expect("labels").to_vec();
+        let clouds = [soup(&original), soup(&original).mirrored()].map(|s| prepared(s.cloud().shape(), &quick()));
+        let [original, mirror] = &clouds;
+        let found = matched(mirror, original, &MatchOptions::default());
+        let [same, other] = sides(&found.a_to_b.target, &labels);
+        println!("{file} in a mirror, as a cloud: {same:.3} as themselves, {other:.3} exchanged");
+        assert!(same < 0.05 && other > 0.9, "{file}: {same} {other}");
+        assert!(!found.warnings.iter().any(|warning| warning.contains("inside out")), "{file}: {:?}", found.warnings);
+    }
+}
+
+#[test]
 fn given_parts_are_a_wall() {
     let [a, b] = &*PAIR;
     let options = MatchOptions { parts: Parts::Given, ..Default::default() };

@@ -6,9 +6,9 @@ use ndarray::ArrayView1;
 #[cfg(any(test, feature = "train"))]
 use ndarray::{Array1, Array2, Axis};
 
+use super::cues::{CUES, Cues};
 #[cfg(any(test, feature = "train"))]
 use super::cues::{SIGNS, STEPS};
-use super::cues::{CUES, Cues};
 
 /// What is known of a match: each case has coefficients of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

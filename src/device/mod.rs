@@ -8,9 +8,9 @@ mod fallback;
 mod gpu;
 
 pub use cpu::Cpu;
-pub(crate) use cpu::{solve_rows_wide, solve_symmetric};
 #[cfg(feature = "train")]
 pub(crate) use cpu::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, solve_rows, tanh};
+pub(crate) use cpu::{solve_rows_wide, solve_symmetric};
 pub use fallback::Fallback;
 pub(crate) use fallback::{Interrupted, still_well};
 #[cfg(feature = "gpu")]

@@ -111,9 +111,8 @@ pub async fn learned_maps<D: Device>(
     };
     let maps = match known {
         Some((known_a, known_b)) => {
-            let joined = |side: usize, known: ArrayView2<f64>| {
-                concatenate![Axis(1), learned(side), known.slice(s![..k, ..])]
-            };
+            let joined =
+                |side: usize, known: ArrayView2<f64>| concatenate![Axis(1), learned(side), known.slice(s![..k, ..])];
             solve_both(joined(0, known_a).view(), joined(1, known_b).view())
         }
         None => maps,

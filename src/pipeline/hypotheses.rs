@@ -9,9 +9,7 @@ use crate::device::{Cpu, Device, Interrupted};
 use crate::maps::{Correspondence, Matchable, OutOfDistribution, learned_maps};
 use crate::network::{Model, PointEmbedding};
 use crate::progress::{Progress, Stage};
-use crate::registration::{
-    AWAY, Constraints, INSIDE_OUT, Refined, Refinement, chirality_of_match, initial_maps, refine,
-};
+use crate::registration::{AWAY, Constraints, Refined, Refinement, chirality_of_match, initial_maps, refine};
 
 /// What a match starts from. It stays with the CPU, so that whatever becomes of a device nothing is lost.
 pub(super) struct Pair<'a> {
@@ -27,19 +25,10 @@ pub(super) struct BestMaps {
     pub(super) raw: Option<Correspondence>,
     pub(super) out_of_distribution: Option<OutOfDistribution>,
     pub(super) weights: serde_json::Value,
-    /// Why a map made without the network was tried beside that of one that knows the pair.
-    pub(super) instead: Option<Instead>,
+    /// Whether landmarks contradict the network's map, so that one made without it was tried as well.
+    pub(super) contradicted: bool,
     /// From −1 to 1: below 0 the map turns the surface inside out.
     pub(super) chirality: f64,
-}
-
-/// What speaks against the map of a network that knows the pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Instead {
-    /// Landmarks.
-    Landmarks,
-    /// It turns the surface inside out.
-    InsideOut,
 }
 
 /// The part of a match that runs on the device: first maps, as many as there are hypotheses, each refined, and the best of them.
@@ -55,7 +44,7 @@ pub(super) async fn best_maps<D: Device>(
     let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
     let mut candidates = Vec::new();
     let mut out_of_distribution = None;
-    let mut instead = None;
+    let mut contradicted = false;
     if let (Some(of_a), Some(of_b)) = (&a.embedding, &b.embedding)
         && [of_a, of_b].iter().all(|e| e.features.ncols() == model.weights().config.features)
     {
@@ -68,19 +57,19 @@ pub(super) async fn best_maps<D: Device>(
             let as_is = Refinement::None;
             let found =
                 refine(device, (side_a, side_b), first, Some(&learned.extra), constraints, as_is, unheard).await?;
-            instead = (found.residual > AWAY).then_some(Instead::Landmarks);
+            contradicted = found.residual > AWAY;
         }
         candidates.push((sides, learned.maps, Some(learned.extra), model.weights().named()));
     }
-    let without = || sides.clone().map(|side| Matchable { parts: None, prior: None, ..side });
-    let mut unlearned = None;
-    if instead.is_some() || out_of_distribution.is_none_or(|at_home| at_home.is_of_others() && !options.network_only) {
+    let without;
+    if contradicted || out_of_distribution.is_none_or(|at_home| at_home.is_of_others() && !options.network_only) {
         // Many steps on few points: a device would mostly wait.
         let maps = initial_maps(&Cpu, side_a, side_b, known, constraints).await;
         if !maps.is_finite() {
             return Err(Interrupted::NotFinite(Stage::FunctionalMap));
         }
-        candidates.push((&*unlearned.insert(without()), maps, None, serde_json::Value::Null));
+        without = sides.clone().map(|side| Matchable { parts: None, prior: None, ..side });
+        candidates.push((&without, maps, None, serde_json::Value::Null));
     }
 
     // Whatever made it, a map between two poses of one body keeps lengths. So does its mirror image: which of the two it is the features alone can say, and a
@@ -101,31 +90,16 @@ pub(super) async fn best_maps<D: Device>(
             best = Some((cost, refined, index));
         }
     }
-    let (_, mut refined, index) = best.expect("a pair without the network's map has the other");
-    let (of_winner, mut first, mut extra, mut weights) = candidates.swap_remove(index);
-    let mut chirality = chirality_of_match([&of_winner[0], &of_winner[1]], &refined.a_to_b.target);
-    let tried = candidates.iter().any(|(.., weights)| weights.is_null()) || weights.is_null();
-    if chirality < INSIDE_OUT && !tried && !options.network_only && constraints.landmarks.is_empty() {
-        let mut within = Progress::new(|_, _| progress.at(Stage::Correspondence, 0.8).is_ok());
-        let maps = initial_maps(&Cpu, side_a, side_b, known, constraints).await;
-        let others = without();
-        let (start, both) = (maps.clone(), (&others[0], &others[1]));
-        let other = refine(device, both, start, None, constraints, options.refine, &mut within).await?;
-        let of_other = chirality_of_match([side_a, side_b], &other.a_to_b.target);
-        println!("chirality {chirality} other {of_other} strain {} {}", strain(side_a, side_b, &refined.a_to_b), strain(side_a, side_b, &other.a_to_b));
-        if of_other > -INSIDE_OUT {
-            (refined, first, extra, weights, chirality) = (other, maps, None, serde_json::Value::Null, of_other);
-            instead = Some(Instead::InsideOut);
-        }
-    }
-    let extra = extra.as_ref();
+    let (_, refined, index) = best.expect("a pair without the network's map has the other");
+    let ([side_a, side_b], first, extra, weights) = candidates.swap_remove(index);
+    let chirality = chirality_of_match([side_a, side_b], &refined.a_to_b.target);
     let raw = if options.raw {
-        let unheard = &mut Progress::silent();
+        let (unheard, extra) = (&mut Progress::silent(), extra.as_ref());
         Some(refine(device, (side_a, side_b), first, extra, constraints, Refinement::None, unheard).await?.a_to_b)
     } else {
         None
     };
-    Ok(BestMaps { refined, raw, out_of_distribution, weights, instead, chirality })
+    Ok(BestMaps { refined, raw, out_of_distribution, weights, contradicted, chirality })
 }
 
 /// Probabilities of parts (p, c) on both sides that attention masks with: predicted, given labels as ones and noughts, or one part for all.

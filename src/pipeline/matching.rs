@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use super::given::{labels_used, landmark_rows, landmarks, parts_in_common, shared_labels, side_by_side};
-use super::hypotheses::{BestMaps, Instead, Pair, best_maps};
+use super::hypotheses::{BestMaps, Pair, best_maps};
 use super::thinned::MATCHED;
 use super::warnings::{UNTRAINED, contradicted, doubts, labelled_otherwise, verdict, warnings};
 use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
@@ -105,10 +105,7 @@ pub(crate) async fn match_with_cues<D: Device>(
         sides = [sampled_at(side_a, rows(0)), sampled_at(side_b, rows(1))];
     }
     let [side_a, side_b] = &sides;
-    let known = [
-        landmarks(&sides, &known_rows),
-        parts.map(|(of_a, of_b)| parts_in_common(side_a, of_a, side_b, of_b)),
-    ];
+    let known = [landmarks(&sides, &known_rows), parts.map(|(of_a, of_b)| parts_in_common(side_a, of_a, side_b, of_b))];
     let known = side_by_side(known.into_iter().flatten());
     let constraints = Constraints { parts, landmarks: &known_rows };
     let pair = Pair { shapes: [a, b], sides: &sides, known, constraints };
@@ -119,7 +116,7 @@ pub(crate) async fn match_with_cues<D: Device>(
         }
         best => (best, None),
     };
-    let BestMaps { refined, raw, out_of_distribution, weights, instead, chirality } = match best {
+    let BestMaps { refined, raw, out_of_distribution, weights, contradicted: by_landmarks, chirality } = match best {
         Ok(best) => best,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
         Err(Interrupted::NotFinite(stage)) => {
@@ -131,10 +128,10 @@ pub(crate) async fn match_with_cues<D: Device>(
     let untrained = out_of_distribution.is_none().then(|| UNTRAINED.to_owned());
     let mut warnings: Vec<String> = untrained.into_iter().chain(warnings(a, b)).collect();
     let without = weights.is_null();
-    match (out_of_distribution, instead) {
-        (Some(at_home), Some(instead)) if without && !at_home.is_of_others() => warnings.push(taken_instead(instead)),
-        (at_home, _) => warnings.extend(at_home.and_then(|at_home| verdict(at_home, without))),
-    }
+    warnings.extend(match out_of_distribution {
+        Some(at_home) if by_landmarks && without && !at_home.is_of_others() => Some(BY_LANDMARKS.to_owned()),
+        at_home => at_home.and_then(|at_home| verdict(at_home, without)),
+    });
     warnings.extend((chirality < INSIDE_OUT).then(|| MIRRORED.to_owned()));
     let predicted = match (&a.embedding, &b.embedding, out_of_distribution) {
         (Some(of_a), Some(of_b), Some(at_home)) if !at_home.is_of_others() => Some([&of_a.parts, &of_b.parts]),
@@ -173,16 +170,12 @@ pub(crate) async fn match_with_cues<D: Device>(
 }
 
 /// Why the network's map was not taken.
-fn taken_instead(instead: Instead) -> String {
-    let against = match instead {
-        Instead::Landmarks => "the landmarks contradict the network's map; one made without it agrees with them better",
-        Instead::InsideOut => "the network's map turns the surface inside out; one made without it does not",
-    };
-    format!("unsure: {against} and was taken")
-}
+const BY_LANDMARKS: &str =
+    "unsure: the landmarks contradict the network's map; one made without it agrees with them better and was taken";
 
 /// Of a map that keeps lengths and exchanges left and right.
-const MIRRORED: &str = "the map turns the surface inside out: one of the scans seems to be mirrored, or left and right are exchanged";
+const MIRRORED: &str =
+    "the map turns the surface inside out: one of the scans seems to be mirrored, or left and right are exchanged";
 
 /// C of bases whose masses sum to 1 as C of the bases that users hold.
 fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape) -> Array2<f64> {

@@ -44,8 +44,9 @@ pub async fn prepare_with<D: Device>(
     let (mut prepared, operator_shape, laplacian) = prepare_with_shape(shape, name, options, wanted, progress)?;
     if prepared.basis.k() < wanted {
         let found = prepared.basis.k();
-        let message =
-            format!("the scan has {found} eigenpairs and the network looks at {wanted}: it sees less of it than it should");
+        let message = format!(
+            "the scan has {found} eigenpairs and the network looks at {wanted}: it sees less of it than it should"
+        );
         prepared.repairs.push(Repair::noted("few-eigenpairs", found, message));
     }
     // Kept through the network only where it may be needed again.
@@ -57,7 +58,14 @@ pub async fn prepare_with<D: Device>(
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
         let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
         let meet = |i: u32, j: u32| f64::from(meeting(parts.row(i as usize), parts.row(j as usize)));
-        let apart = Geometry::of(&operator_shape, kind, Some(&meet), sampled, [options.eigenpairs, prepared.basis.k()], &mut within);
+        let apart = Geometry::of(
+            &operator_shape,
+            kind,
+            Some(&meet),
+            sampled,
+            [options.eigenpairs, prepared.basis.k()],
+            &mut within,
+        );
         drop(within);
         match apart {
             Ok(apart) => {
@@ -201,7 +209,8 @@ pub(crate) fn prepare_with_shape(
         (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
     let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
 
-    let geometry = Geometry::of(&operator_shape, kind, None, (&support, &coarse), [options.eigenpairs, wanted], progress)?;
+    let geometry =
+        Geometry::of(&operator_shape, kind, None, (&support, &coarse), [options.eigenpairs, wanted], progress)?;
     let Geometry { laplacian, basis, report, features, surface } = geometry;
     repairs.extend(not_proved(&report, &basis));
 

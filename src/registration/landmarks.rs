@@ -38,7 +38,8 @@ pub(crate) fn distinct(pairs: impl IntoIterator<Item = [u32; 2]>) -> Vec<[u32; 2
         .filter(|&[i, j]| {
             let free = !taken[0].contains(&i) && !taken[1].contains(&j);
             if free {
-                (taken[0].insert(i), taken[1].insert(j));
+                taken[0].insert(i);
+                taken[1].insert(j);
             }
             free
         })
@@ -53,8 +54,15 @@ pub(crate) fn sampled_at(mut shape: Matchable, rows: impl Iterator<Item = u32>) 
             continue;
         }
         let own = shape.coarse.len() as u32;
-        let around: BTreeSet<u32> =
-            shape.surface.adjacent.iter().filter(|pair| pair.contains(&near)).flatten().copied().chain([near]).collect();
+        let around: BTreeSet<u32> = shape
+            .surface
+            .adjacent
+            .iter()
+            .filter(|pair| pair.contains(&near))
+            .flatten()
+            .copied()
+            .chain([near])
+            .collect();
         shape.coarse.push(row);
         shape.surface.cell[row as usize] = own;
         shape.surface.adjacent.extend(around.into_iter().map(|other| [other, own]));
@@ -84,11 +92,7 @@ pub(super) fn nearness(shape: &Matchable, rows: impl Iterator<Item = u32>) -> Ar
 }
 
 /// How far the maps take each landmark from its partner, in √area: mean of the way there and the way back.
-pub(super) fn residuals(
-    [a, b]: [&Matchable; 2],
-    landmarks: &[[u32; 2]],
-    [to_b, to_a]: [&[u32]; 2],
-) -> Vec<f64> {
+pub(super) fn residuals([a, b]: [&Matchable; 2], landmarks: &[[u32; 2]], [to_b, to_a]: [&[u32]; 2]) -> Vec<f64> {
     let apart = |shape: &Matchable, found: u32, wanted: u32| {
         let place = |row: u32| std::array::from_fn(|c| shape.points[(row as usize, c)]);
         squared_distance(place(found), place(wanted)).sqrt()
