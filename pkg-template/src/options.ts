@@ -68,13 +68,13 @@ export interface ReadOptions {
 
 /** How a scan is prepared. */
 export interface PrepareOptions extends CallOptions, ReadOptions {
-  /** Points to sample (default 5000); scans of up to 1.5 times as many stay whole. */
+  /** Points to sample (default 5000); scans of up to 1.5 times as many stay whole. A match compares at most 7500 of them, evenly chosen, and the others follow. */
   points?: number | undefined;
   /** `'ignore'` treats a mesh as a cloud. */
   faces?: 'use' | 'ignore' | undefined;
   /** Default `'cotangent'` for meshes, `'geodesic'` for clouds. */
   laplacian?: LaplacianKind | undefined;
-  /** Eigenpairs of the basis (default 120). */
+  /** Eigenpairs of the basis (default 120); the network has the 64 it looks at all the same. */
   eigenpairs?: number | undefined;
   /** Axis that points up, where it is known; shown in `info`, the match does not depend on it. */
   up?: Axis | undefined;
@@ -111,6 +111,6 @@ export interface MatchOptions extends CallOptions {
   parts?: 'predicted' | 'given' | 'none' | undefined;
   /** How the first map is polished (default `'best'`). */
   refine?: 'best' | 'zoomout' | 'none' | undefined;
-  /** Pairs [point of a, point of b] that belong together, as uploaded. */
+  /** Pairs [point of a, point of b] that belong together, as uploaded; they hold exactly, and what lies around them follows. */
   landmarks?: readonly (readonly [number, number])[] | undefined;
 }

@@ -16,11 +16,11 @@ use crate::vector::{Vector, minus, norm};
 
 /// Steps from sample to neighbouring samples that an average reaches out: a sample is about 0.02 √area wide, and averages of averages spread like heat, so that these
 /// are about as wide as a hand and as a thigh.
-const STEPS: [usize; 2] = [4, 24];
+pub(super) const STEPS: [usize; 2] = [4, 24];
 /// Lengths, in √area, above which a sign is no worse.
 const LONGEST: f64 = 1.0;
 /// Signs that are averaged: cycle, strain, residual; their roots are what counts.
-const SIGNS: usize = 3;
+pub(super) const SIGNS: usize = 3;
 /// Cues that need no network: each sign near and wide.
 pub(crate) const GENERAL: usize = STEPS.len() * SIGNS;
 

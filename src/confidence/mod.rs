@@ -6,6 +6,6 @@ mod distortion;
 
 pub(crate) use calibration::confidence;
 #[cfg(feature = "train")]
-pub(crate) use calibration::{Fit, Situation, fit, probability};
+pub(crate) use calibration::{Fit, Situation, fit_of_faults, probability};
 pub(crate) use cues::Cues;
 pub use distortion::{strain, stretch};

@@ -21,6 +21,21 @@ pub(crate) enum Interrupted {
     Cancelled(Cancelled),
     /// The device failed.
     Failed(Fallback),
+    /// What it computed with, or from, are no finite numbers.
+    NotFinite(Stage),
+}
+
+impl Interrupted {
+    /// Why the CPU is to do the work again; nothing for who was asked to stop.
+    pub(crate) fn fallback(&self) -> Option<Fallback> {
+        match self {
+            Self::Cancelled(_) => None,
+            Self::Failed(fallback) => Some(fallback.clone()),
+            Self::NotFinite(stage) => {
+                Some(Fallback { stage: *stage, reason: "it came to something that is no finite number".to_owned() })
+            }
+        }
+    }
 }
 
 impl From<Cancelled> for Interrupted {

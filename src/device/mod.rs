@@ -8,11 +8,11 @@ mod fallback;
 mod gpu;
 
 pub use cpu::Cpu;
-pub(crate) use cpu::solve_rows_wide;
 #[cfg(feature = "train")]
 pub(crate) use cpu::{
     EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, softmax_within, solve_rows, tanh,
 };
+pub(crate) use cpu::{solve_rows_wide, solve_symmetric};
 pub use fallback::Fallback;
 pub(crate) use fallback::{Interrupted, still_well};
 #[cfg(feature = "gpu")]
@@ -101,7 +101,7 @@ pub trait Device {
         mask: Mask,
     ) -> Self::Tensor;
     /// Rows c_i of a functional map, each its own solve: (S + diag(mask_i)) c_i = r_i. `gram` S (k, k) symmetric positive semi-definite, `right` (m, k),
-    /// `mask` (m, k) ≥ 0 → (m, k).
+    /// `mask` (m, k) ≥ 0 → (m, k). A row without a solution is NaN: one whose system is not finite, or, on a device that computes in f32, not positive definite.
     fn solve_rows(&self, gram: &Self::Tensor, right: &Self::Tensor, mask: &Self::Tensor) -> Self::Tensor;
     /// Matrices of equal row count side by side, each times its weight.
     fn concat(&self, parts: &[(&Self::Tensor, f32)]) -> Self::Tensor;

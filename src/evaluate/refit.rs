@@ -8,7 +8,7 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::confidence::{Fit, Situation, fit, probability};
+use crate::confidence::{Fit, Situation, fit_of_faults, probability};
 use crate::network::{Model, PRIOR, SITUATIONS, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
@@ -122,7 +122,7 @@ pub fn refit(
         points.iter().partition(|(s, points)| s.registered && points.width == features);
     for (&situation, points) in best {
         let others = points.others;
-        let found = fit(&points.right, others + features, |i, row| {
+        let found = fit_of_faults(&points.right, others + features, |i, row| {
             row[..others].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[others..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
         });
@@ -144,7 +144,7 @@ pub fn refit(
     };
     for (&situation, points) in others {
         let inputs = points.others + usize::from(situation.learned);
-        let found = fit(&points.right, inputs, |i, row| {
+        let found = fit_of_faults(&points.right, inputs, |i, row| {
             row[..points.others].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             if situation.learned {
                 row[points.others] = priors(&situation, points, i);

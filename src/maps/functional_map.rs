@@ -1,10 +1,9 @@
 //! The masked functional-map solve (paper Sec. 3.3, "FM solver").
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::Mat;
 use ndarray::{Array2, ArrayView1, ArrayView2};
 
-use crate::device::{Device, solve_rows_wide};
+use crate::device::{Device, solve_rows_wide, solve_symmetric};
 use crate::network::Solver;
 
 /// C_ab: coefficients on A → coefficients on B. Shape (k_b, k_a).
@@ -23,7 +22,7 @@ impl FunctionalMap {
     /// `g_a` (k_a, c) and `g_b` (k_b, c) are the same descriptors projected on each basis, `lambda_a` and `lambda_b` the eigenvalues at unit area.
     /// The paper solves without a mask, which lets the map couple frequencies that no near-isometry couples; the mask is the
     /// resolvent one of Ren et al. 2019 ("Structured regularization of functional map computations"), γ = ½. Each row of C is a
-    /// solve of its own.
+    /// solve of its own; where the descriptors hold anything that is no finite number, so does the map.
     pub fn solve(
         g_a: ArrayView2<f64>,
         g_b: ArrayView2<f64>,
@@ -85,18 +84,15 @@ pub fn resolvent_mask(lambda_a: ArrayView1<f64>, lambda_b: ArrayView1<f64>) -> A
 
 /// min ‖P X − Q‖² by the normal equations: P (n, k), Q (n, m) given as PᵀP (k, k) and PᵀQ (k, m); X (k, m).
 ///
-/// With rows at a sampling of the points this is the least-squares form of ΦᵀMf.
+/// With rows at a sampling of the points this is the least-squares form of ΦᵀMf. NaN where P or Q are not finite.
 pub(super) fn least_squares(gram: ArrayView2<f32>, right: ArrayView2<f32>) -> Array2<f64> {
     let (k, m) = right.dim();
     let ridge = 1e-7 * (0..k).map(|i| f64::from(gram[(i, i)])).sum::<f64>() / k.max(1) as f64;
     let system = Mat::from_fn(k, k, |i, j| f64::from(gram[(i, j)]) + if i == j { ridge } else { 0.0 });
     let rhs = Mat::from_fn(k, m, |i, j| f64::from(right[(i, j)]));
-    match system.llt(Side::Lower) {
-        Ok(cholesky) => {
-            let x = cholesky.solve(&rhs);
-            Array2::from_shape_fn((k, m), |(i, j)| x[(i, j)])
-        }
-        Err(_) => Array2::zeros((k, m)),
+    match solve_symmetric(&system, &rhs) {
+        Some(x) => Array2::from_shape_fn((k, m), |(i, j)| x[(i, j)]),
+        None => Array2::from_elem((k, m), f64::NAN),
     }
 }
 

@@ -5,7 +5,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis, concatenate, s};
 use super::functional_map::{FunctionalMap, functional_maps};
 use super::{MapPair, Matchable};
 use crate::device::{Device, Interrupted, still_well};
-use crate::network::{PointEmbedding, Solver, Thresholds, TrainedNetwork, weyl_factor};
+use crate::network::{PointEmbedding, Solver, Thresholds, TrainedNetwork};
 use crate::progress::Stage;
 
 /// Key points that a point of the other shape looks at.
@@ -77,7 +77,7 @@ pub async fn learned_maps<D: Device>(
         device.matmul_tn(&device.upload(projector.mapv(|v| v as f32).view()), features)
     });
     let lambda = [a, b].map(|m| {
-        let weyl = weyl_factor(&m.basis);
+        let weyl = m.basis.weyl_factor();
         m.basis.eigenvalues.iter().take(k).map(|l| l / weyl).collect::<Vec<f64>>()
     });
     let [c_ab, c_ba] = functional_maps(device, [&projected[0], &projected[1]], [&lambda[0], &lambda[1]], solve);
@@ -88,7 +88,25 @@ pub async fn learned_maps<D: Device>(
     still_well(device, Stage::FunctionalMap)?;
     let columns = |from: usize, count: usize| down.slice(s![.., from..from + count]);
     // Judged by what the network says alone: what a user knows says nothing about it.
-    let maps = MapPair { c_ab: columns(0, k).to_owned(), c_ba: columns(k, k).to_owned() };
+    let mut maps = MapPair { c_ab: columns(0, k).to_owned(), c_ba: columns(k, k).to_owned() };
+    let [lambda_a, lambda_b] = [ArrayView1::from(&lambda[0]), ArrayView1::from(&lambda[1])];
+    let learned = |side: usize| columns(2 * k + side * width, width);
+    let solve_both = |g_a: ArrayView2<f64>, g_b: ArrayView2<f64>| {
+        let [c_ab, c_ba] = match solve {
+            Solver::Masked => {
+                [FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b), FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a)]
+            }
+            Solver::LeastSquares => [FunctionalMap::least_squares(g_a, g_b), FunctionalMap::least_squares(g_b, g_a)],
+        };
+        MapPair { c_ab: c_ab.matrix, c_ba: c_ba.matrix }
+    };
+    if !maps.is_finite() {
+        // In f64 a system is positive definite that is not in f32.
+        maps = solve_both(learned(0), learned(1));
+        if !maps.is_finite() {
+            return Err(Interrupted::NotFinite(Stage::FunctionalMap));
+        }
+    }
     let off = |there_and_back: Array2<f64>| (there_and_back - Array2::<f64>::eye(k)).iter().map(|v| v * v).sum::<f64>();
     let out_of_distribution = OutOfDistribution {
         bijectivity: (off(maps.c_ab.dot(&maps.c_ba)) + off(maps.c_ba.dot(&maps.c_ab))) / (2 * k) as f64,
@@ -97,22 +115,9 @@ pub async fn learned_maps<D: Device>(
     };
     let maps = match known {
         Some((known_a, known_b)) => {
-            let joined = |learned: usize, known: ArrayView2<f64>| {
-                concatenate![Axis(1), columns(2 * k + learned * width, width), known.slice(s![..k, ..])]
-            };
-            let (g_a, g_b) = (joined(0, known_a), joined(1, known_b));
-            let [lambda_a, lambda_b] = [ArrayView1::from(&lambda[0]), ArrayView1::from(&lambda[1])];
-            let [g_a, g_b] = [g_a.view(), g_b.view()];
-            let [c_ab, c_ba] = match solve {
-                Solver::Masked => [
-                    FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b),
-                    FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a),
-                ],
-                Solver::LeastSquares => {
-                    [FunctionalMap::least_squares(g_a, g_b), FunctionalMap::least_squares(g_b, g_a)]
-                }
-            };
-            MapPair { c_ab: c_ab.matrix, c_ba: c_ba.matrix }
+            let joined =
+                |side: usize, known: ArrayView2<f64>| concatenate![Axis(1), learned(side), known.slice(s![..k, ..])];
+            solve_both(joined(0, known_a).view(), joined(1, known_b).view())
         }
         None => maps,
     };

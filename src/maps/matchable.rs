@@ -56,6 +56,16 @@ impl Matchable {
         self.points.nrows()
     }
 
+    /// Whether all that describes it are numbers.
+    pub(crate) fn is_finite(&self) -> bool {
+        let basis = &self.basis;
+        let wide = basis.eigenvalues.iter().chain(&basis.mass).chain(&basis.eigenvectors).chain(&self.points);
+        let normals = self.surface.normals.as_flattened();
+        let prior = self.learned.iter().flat_map(|learned| learned.prior.iter().flatten());
+        let single = self.features.iter().chain(prior);
+        wide.chain(normals).all(|v| v.is_finite()) && single.into_iter().all(|v| v.is_finite())
+    }
+
     /// True without points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -14,10 +14,19 @@ pub struct MapPair {
     pub c_ba: Array2<f64>,
 }
 
+impl MapPair {
+    /// Whether all entries are numbers. Least squares of anything else has no solution.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.c_ab.iter().chain(&self.c_ba).all(|v| v.is_finite())
+    }
+}
+
 /// Columns of A and of B that stand beside the spectral ones.
 pub(crate) struct Beside<'t, T> {
     /// What else tells points apart, and how much that counts.
     pub(crate) extra: Option<([&'t T; 2], f32)>,
+    /// How near points are to landmarks, and how much that counts.
+    pub(crate) landmarks: Option<([&'t T; 2], f32)>,
     /// Where the bodies lie and how they turn, at rest and registered to each other.
     pub(crate) registered: Option<[T; 2]>,
 }
@@ -25,13 +34,13 @@ pub(crate) struct Beside<'t, T> {
 impl<'t, T> Beside<'t, T> {
     /// Spectral columns are all there is.
     pub(crate) fn nothing() -> Self {
-        Self { extra: None, registered: None }
+        Self { extra: None, landmarks: None, registered: None }
     }
 
     /// Those of A (0) or of B (1), with their weights.
     fn of(&self, side: usize) -> impl Iterator<Item = (&T, f32)> {
-        let extra = self.extra.as_ref().map(|(both, weight)| (both[side], *weight));
-        extra.into_iter().chain(self.registered.as_ref().map(|both| (&both[side], 1.0)))
+        let known = self.extra.iter().chain(&self.landmarks).map(move |(both, weight)| (both[side], *weight));
+        known.chain(self.registered.as_ref().map(|both| (&both[side], 1.0)))
     }
 }
 

@@ -13,8 +13,6 @@ const WAVELENGTHS: [f32; 3] = [4.0, 2.0, 1.0];
 const TIMES: [f64; 2] = [1e-3, 0.2];
 /// Number of times.
 const SIGNATURES: usize = 8;
-/// Eigenvalues whose mean λ_j/4πj is made 1.
-const WEYL: std::ops::Range<usize> = 16..64;
 
 /// A shape of unit area as the network sees it, n points and k eigenfunctions.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,7 +79,7 @@ impl ShapeInputs {
         let (k, position) = (config.eigenpairs.min(basis.k()), config.position);
         let single = |v: &f64| *v as f32;
         let basis = &basis.truncated(k);
-        let weyl = weyl_factor(basis);
+        let weyl = basis.weyl_factor();
         let lambda = basis.eigenvalues.mapv(|l| (l / weyl) as f32).insert_axis(Axis(1));
         let phi = basis.eigenvectors.map(single);
         let mass = basis.mass.map(single).insert_axis(Axis(1));
@@ -159,13 +157,4 @@ pub struct InputsOn<T> {
     pub lambda: T,
     pub encoded: Option<T>,
     pub count: usize,
-}
-
-/// Mean of λ_j/4πj: 1 for a smooth closed surface of unit area. What an operator on a cloud gets wrong in scale shows here.
-pub fn weyl_factor(basis: &SpectralBasis) -> f64 {
-    let range = WEYL.start.min(basis.k() / 2)..WEYL.end.min(basis.k());
-    let ratios: Vec<f64> =
-        range.map(|j| basis.eigenvalues[j] / (4.0 * std::f64::consts::PI * j.max(1) as f64)).collect();
-    let mean = ratios.iter().sum::<f64>() / ratios.len().max(1) as f64;
-    if mean > 0.0 && mean.is_finite() { mean } else { 1.0 }
 }

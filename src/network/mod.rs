@@ -17,7 +17,7 @@ pub use batch_norm::Statistics;
 pub(crate) use category::SITUATIONS;
 pub use category::{Category, Part, Thresholds};
 pub use config::{Encoding, InputConfig, ModelConfig, Norm, Position, Solver};
-pub use inputs::{ShapeInputs, weyl_factor};
+pub use inputs::ShapeInputs;
 #[cfg(feature = "train")]
 pub(crate) use model::PRIOR;
 pub use model::{Model, PointEmbedding, TrainedNetwork};

@@ -40,6 +40,13 @@ pub struct PointEmbedding {
     pub parts: Array2<f32>,
 }
 
+impl PointEmbedding {
+    /// Whether all of it are numbers: those of other weights may grow beyond what f32 holds.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.features.iter().chain(&self.parts).all(|v| v.is_finite())
+    }
+}
+
 impl Model {
     /// On the CPU; checks that the weights fit the network that they say they are of.
     pub fn new(weights: Weights) -> Result<Self, WeightsError> {

@@ -41,6 +41,12 @@ pub enum Error {
     /// Bytes that should be a prepared shape are not.
     #[error(transparent)]
     Block(#[from] BlockError),
+    /// Something that a match computes with holds what is no finite number.
+    #[error("{what}: there is something in it that is no finite number")]
+    NotFinite {
+        /// What.
+        what: String,
+    },
     /// The listener asked for a stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -85,6 +91,7 @@ impl Error {
             Error::Option(e) => e.code(),
             Error::Weights(_) => "invalid-weights",
             Error::Block(e) => e.code(),
+            Error::NotFinite { .. } => "not-finite",
             Error::Cancelled(_) => "cancelled",
         }
     }
@@ -100,6 +107,7 @@ impl Error {
             Error::Option(e) => e.details(),
             Error::Weights(e) => json!({ "reason": e.0 }),
             Error::Block(e) => json!({ "reason": e.to_string() }),
+            Error::NotFinite { what } => json!({ "what": what }),
             Error::Cancelled(e) => json!({ "stage": e.stage }),
         }
     }

@@ -1,5 +1,7 @@
 //! What a shape is matched by before a network looks at it: operator, basis, descriptors, and the surface around a sampling.
 
+use std::borrow::Cow;
+
 use ndarray::{Array2, Axis};
 
 use super::Error;
@@ -34,13 +36,14 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// `coarse` are rows of points used. `filter` weakens edges of a cloud.
+    /// `coarse` are rows of points used. `filter` weakens edges of a cloud. The basis has the larger number of `eigenpairs`; descriptors and surface are made from
+    /// the first of the two.
     pub(crate) fn of(
         Carriers { shape, neighbourhood }: &Carriers,
         kind: LaplacianKind,
         filter: Option<EdgeFilter>,
         (support, coarse): (&Support, &[u32]),
-        eigenpairs: usize,
+        eigenpairs: [usize; 2],
         progress: &mut Progress,
     ) -> Result<Self, Error> {
         let builder = LaplacianBuilder::new(kind).edge_filter(filter);
@@ -48,10 +51,14 @@ impl Geometry {
             LaplacianKind::Cotangent => builder.build(shape, progress)?,
             _ => builder.build_around(neighbourhood, progress)?,
         };
-        let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, eigenpairs, progress)?;
+        let (basis, report) = spectrum(&laplacian.matrix, &laplacian.mass, eigenpairs[0].max(eigenpairs[1]), progress)?;
         progress.at(Stage::Features, 0.0)?;
-        let features = wave_kernel_signature(&basis).values;
-        let surface = |samples: &[u32]| SampledSurface::around(shape, neighbourhood, filter, samples, &basis);
+        let asked = match basis.k() > eigenpairs[0] {
+            true => Cow::Owned(basis.truncated(eigenpairs[0])),
+            false => Cow::Borrowed(&basis),
+        };
+        let features = wave_kernel_signature(&asked).values;
+        let surface = |samples: &[u32]| SampledSurface::around(shape, neighbourhood, filter, samples, &asked);
         let (features, surface) = match &support.used {
             None => (features, surface(coarse)),
             Some(used) => {
@@ -60,6 +67,7 @@ impl Geometry {
                 (features.select(Axis(0), &rows), surface(&carriers).at(used))
             }
         };
+        drop(asked);
         Ok(Self { laplacian, basis, report, features, surface })
     }
 }
@@ -81,7 +89,7 @@ mod tests {
         let of = |carriers: &Carriers, filtered: bool| {
             let filter = filtered.then_some(&halves as crate::operators::EdgeFilter);
             let support = (&Support::default(), &coarse[..]);
-            Geometry::of(carriers, LaplacianKind::Geodesic, filter, support, 20, &mut Progress::silent())
+            Geometry::of(carriers, LaplacianKind::Geodesic, filter, support, [20, 0], &mut Progress::silent())
                 .expect("geometry")
         };
         let shared = Carriers::new(egg.clone());

@@ -1,24 +1,22 @@
 //! Where a match may start from, each start refined, and the best of what comes out.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use ndarray::Array2;
 
-use super::given::Functions;
+use super::given::{Functions, indicators};
 use super::{MatchOptions, Parts, PreparedShape};
 use crate::confidence::strain;
 use crate::device::{Cpu, Device, Interrupted};
 use crate::maps::{Correspondence, LearnedCues, MapPair, Matchable, OutOfDistribution, learned_maps};
 use crate::network::{Model, PointEmbedding};
 use crate::progress::{Progress, Stage};
-use crate::registration::{Refined, Refinement, initial_maps, refine};
+use crate::registration::{AWAY, Constraints, Refined, Refinement, chirality_of_match, initial_maps, refine};
 
 /// What a match starts from. It stays with the CPU, so that whatever becomes of a device nothing is lost.
 pub(super) struct Pair<'a> {
     pub(super) shapes: [&'a PreparedShape; 2],
     pub(super) sides: &'a [Matchable; 2],
     pub(super) known: Option<Functions>,
-    pub(super) parts: Option<(&'a [u32], &'a [u32])>,
+    pub(super) constraints: Constraints<'a>,
 }
 
 /// What a match ends with, at the points used.
@@ -29,6 +27,10 @@ pub(super) struct BestMaps<'a> {
     pub(super) home: Option<Home<'a>>,
     /// Whether its map was taken.
     pub(super) by_network: bool,
+    /// Whether landmarks contradict the network's map, so that one made without it was tried as well.
+    pub(super) contradicted: bool,
+    /// From −1 to 1: below 0 the map turns the surface inside out.
+    pub(super) chirality: f64,
 }
 
 /// A network's view of a pair.
@@ -51,47 +53,61 @@ pub(super) async fn best_maps<'a, D: Device>(
     options: &MatchOptions,
     progress: &mut Progress<'_>,
 ) -> Result<BestMaps<'a>, Interrupted> {
-    let Pair { sides, parts, .. } = *pair;
+    let Pair { sides, constraints, .. } = *pair;
     let device = model.device();
-    let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
     let (home, mut starts) = match learned_start(model, pair, options).await? {
         Some((home, start)) => (Some(home), vec![start]),
         None => (None, Vec::new()),
     };
-    if home.as_ref().is_none_or(|home| home.scores.is_of_others() && !options.network_only) {
-        let [side_a, side_b] = sides;
+    let mut contradicted = false;
+    // One landmark may be wrong; where two and more agree with each other and not with the network, another map may agree with them.
+    if let Some(Start { sides: [side_a, side_b], maps, extra }) = starts.first()
+        && constraints.landmarks.len() > 1
+        && !options.network_only
+    {
+        let (first, unheard, as_is) = (maps.clone(), &mut Progress::silent(), Refinement::None);
+        let found = refine(device, (side_a, side_b), first, extra.as_ref(), constraints, as_is, unheard).await?;
+        contradicted = found.residual > AWAY;
+    }
+    if contradicted || home.as_ref().is_none_or(|home| home.scores.is_of_others() && !options.network_only) {
+        let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
         // Many steps on few points: a device would mostly wait.
-        let maps = initial_maps(&Cpu, side_a, side_b, known, parts).await;
+        let maps = initial_maps(&Cpu, &sides[0], &sides[1], known, constraints).await;
+        if !maps.is_finite() {
+            return Err(Interrupted::NotFinite(Stage::FunctionalMap));
+        }
         starts.push(Start { sides: sides.clone(), maps, extra: None });
     }
 
     // Whatever made it, a map between two poses of one body keeps lengths. So does its mirror image: which of the two it is the features alone can say, and a
-    // mirrored start is no candidate.
+    // mirrored start is no candidate. What a map passes landmarks by counts as well as what it strains.
     let mut best: Option<(f64, Refined, usize)> = None;
     for (index, Start { sides: [side_a, side_b], maps, extra }) in starts.iter().enumerate() {
         let (first, extra) = (maps.clone(), extra.as_ref());
         let refined = if index + 1 == starts.len() {
-            refine(device, (side_a, side_b), first, extra, parts, options.refine, progress).await?
+            refine(device, (side_a, side_b), first, extra, constraints, options.refine, progress).await?
         } else {
             // A listener is not told of a stage twice.
             let mut within = Progress::new(|_, _| progress.at(Stage::Refine, 0.0).is_ok());
-            refine(device, (side_a, side_b), first, extra, parts, options.refine, &mut within).await?
+            refine(device, (side_a, side_b), first, extra, constraints, options.refine, &mut within).await?
         };
         let strain = strain(side_a, side_b, &refined.a_to_b) + strain(side_b, side_a, &refined.b_to_a);
-        if best.as_ref().is_none_or(|(least, ..)| strain < *least) {
-            best = Some((strain, refined, index));
+        let cost = strain + refined.residual;
+        if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+            best = Some((cost, refined, index));
         }
     }
     let (_, refined, index) = best.expect("a pair without the network's map has the other");
     let Start { sides: [side_a, side_b], maps, extra } = starts.swap_remove(index);
     let by_network = extra.is_some();
+    let chirality = chirality_of_match([&side_a, &side_b], &refined.a_to_b.target);
     let raw = if options.raw {
         let (unheard, extra) = (&mut Progress::silent(), extra.as_ref());
-        Some(refine(device, (&side_a, &side_b), maps, extra, parts, Refinement::None, unheard).await?.a_to_b)
+        Some(refine(device, (&side_a, &side_b), maps, extra, constraints, Refinement::None, unheard).await?.a_to_b)
     } else {
         None
     };
-    Ok(BestMaps { refined, raw, home, by_network })
+    Ok(BestMaps { refined, raw, home, by_network, contradicted, chirality })
 }
 
 /// The maps of the network that is most at home with a pair, of those that looked at both shapes.
@@ -100,12 +116,12 @@ async fn learned_start<'a, D: Device>(
     pair: &Pair<'a>,
     options: &MatchOptions,
 ) -> Result<Option<(Home<'a>, Start<D::Tensor>)>, Interrupted> {
-    let Pair { shapes: [a, b], sides: [side_a, side_b], parts, .. } = *pair;
+    let Pair { shapes: [a, b], sides: [side_a, side_b], constraints, .. } = *pair;
     let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
     let mut best: Option<(Home, Start<D::Tensor>)> = None;
     for trained in model.networks() {
         let (Some(of_a), Some(of_b)) = (a.embedding(trained.id()), b.embedding(trained.id())) else { continue };
-        let soft = masks(options.parts, of_a, of_b, parts);
+        let soft = masks(options.parts, of_a, of_b, constraints.parts);
         let learned = learned_maps(model.device(), trained, [(side_a, of_a), (side_b, of_b)], &soft, known).await?;
         let home = Home { embeddings: [of_a, of_b], scores: learned.out_of_distribution };
         if best.as_ref().is_some_and(|(other, _)| other.scores.is_more_at_home_than(&home.scores)) {
@@ -128,16 +144,7 @@ fn masks(
     given: Option<(&[u32], &[u32])>,
 ) -> [Array2<f32>; 2] {
     match (parts, given) {
-        (Parts::Given, Some((labels_a, labels_b))) => {
-            let all: BTreeSet<u32> = labels_a.iter().chain(labels_b).copied().collect();
-            let column: BTreeMap<u32, usize> =
-                all.into_iter().enumerate().map(|(column, label)| (label, column)).collect();
-            [labels_a, labels_b].map(|labels: &[u32]| {
-                let mut rows = Array2::zeros((labels.len(), column.len()));
-                labels.iter().enumerate().for_each(|(i, label)| rows[(i, column[label])] = 1.0);
-                rows
-            })
-        }
+        (Parts::Given, Some((labels_a, labels_b))) => indicators(labels_a, labels_b),
         (Parts::Predicted, _) => [of_a.parts.clone(), of_b.parts.clone()],
         _ => [of_a, of_b].map(|embedding| Array2::ones((embedding.parts.nrows(), 1))),
     }

@@ -4,17 +4,20 @@ use std::collections::BTreeMap;
 
 use ndarray::Array2;
 
-use super::given::{labels_used, landmarks, parts_in_common, shared_labels, side_by_side};
+use super::given::{labels_used, landmark_rows, landmarks, parts_in_common, shared_labels, side_by_side};
 use super::hypotheses::{BestMaps, Pair, best_maps};
-use super::warnings::{Warning, contradicted, labelled_otherwise, of_map, of_shapes, verdict, without_network};
+use super::thinned::MATCHED;
+use super::warnings::{
+    Warning, contradicted, inside_out, labelled_otherwise, of_map, of_shapes, verdict, without_network,
+};
 use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
 use crate::confidence::{Cues, stretch};
 use crate::device::{Device, Fallback, Interrupted};
 use crate::lifting::lift;
 use crate::maps::{Correspondence, FunctionalMap};
-use crate::network::{Model, WeightsId};
+use crate::network::{Model, PointEmbedding, WeightsId};
 use crate::progress::{Progress, Stage};
-use crate::registration::Refined;
+use crate::registration::{Constraints, INSIDE_OUT, Refined, sampled_at};
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
@@ -76,8 +79,10 @@ pub(crate) async fn match_with_cues<D: Device>(
     options: &MatchOptions,
     progress: &mut Progress<'_>,
 ) -> Result<(Match, [Cues; 2]), Error> {
-    progress.at(Stage::FunctionalMap, 0.0)?;
+    let mut heard = |_| progress.at(Stage::FunctionalMap, 0.0);
+    heard(0.0)?;
     check_weights(model, [a, b])?;
+    let (a, b) = (&*a.thinned(MATCHED, &mut heard)?, &*b.thinned(MATCHED, &mut heard)?);
     let parts = match options.parts {
         Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
         Parts::Predicted | Parts::None => None,
@@ -89,33 +94,48 @@ pub(crate) async fn match_with_cues<D: Device>(
     {
         return Err(OptionError::no_shared_labels(of_a[0], of_b[0]).into());
     }
-    let sides = [a, b].map(PreparedShape::matchable);
+    let known_rows = landmark_rows(a, b, &options.landmarks)?;
+    let mut sides = [a, b].map(PreparedShape::matchable);
+    for ((scan, shape), side) in [("A", a), ("B", b)].into_iter().zip(&sides) {
+        if !side.is_finite() || !shape.embeddings.iter().all(PointEmbedding::is_finite) {
+            return Err(Error::NotFinite { what: format!("scan {scan} as it was prepared") });
+        }
+    }
+    if !known_rows.is_empty() {
+        let [side_a, side_b] = sides;
+        let rows = |side: usize| known_rows.iter().map(move |pair| pair[side]);
+        sides = [sampled_at(side_a, rows(0)), sampled_at(side_b, rows(1))];
+    }
     let [side_a, side_b] = &sides;
-    let known = [
-        landmarks(a, b, side_a, side_b, &options.landmarks)?,
-        parts.map(|(of_a, of_b)| parts_in_common(side_a, of_a, side_b, of_b)),
-    ];
+    let known = [landmarks(&sides, &known_rows), parts.map(|(of_a, of_b)| parts_in_common(side_a, of_a, side_b, of_b))];
     let known = side_by_side(known.into_iter().flatten());
-    let pair = Pair { shapes: [a, b], sides: &sides, known, parts };
+    let constraints = Constraints { parts, landmarks: &known_rows };
+    let pair = Pair { shapes: [a, b], sides: &sides, known, constraints };
 
     let (best, fallback) = match best_maps(model, &pair, options, progress).await {
-        Err(Interrupted::Failed(fallback)) => {
-            (best_maps(&model.on_cpu(), &pair, options, progress).await, Some(fallback))
+        Err(interrupted @ (Interrupted::Failed(_) | Interrupted::NotFinite(_))) => {
+            (best_maps(&model.on_cpu(), &pair, options, progress).await, interrupted.fallback())
         }
         best => (best, None),
     };
-    let BestMaps { refined: Refined { a_to_b, b_to_a, maps, cues }, raw, home, by_network } = match best {
+    let BestMaps { refined, raw, home, by_network, contradicted: by_landmarks, chirality } = match best {
         Ok(best) => best,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+        Err(Interrupted::NotFinite(stage)) => {
+            return Err(Error::NotFinite { what: format!("what stage {} came to", stage.name()) });
+        }
         Err(Interrupted::Failed(_)) => unreachable!("the CPU does not fail"),
     };
+    let Refined { a_to_b, b_to_a, maps, cues, .. } = refined;
     let untrained = home.is_none().then(without_network);
     let mut warnings: Vec<Warning> = untrained.into_iter().chain(of_shapes(a, b)).collect();
-    warnings.extend(home.as_ref().and_then(|home| verdict(home, !by_network)));
+    warnings.extend(home.as_ref().and_then(|home| verdict(home, !by_network, by_landmarks)));
+    warnings.extend((chirality < INSIDE_OUT).then(inside_out));
     let predicted = home.as_ref().filter(|home| !home.scores.is_of_others()).map(|home| home.embeddings);
     warnings
         .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));
     warnings.extend(of_map(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
+    progress.at(Stage::Correspondence, 0.9)?;
     let (mut a_to_b, mut b_to_a) = (
         lift(&a_to_b, a.sampled(), b.sampled(), labels),
         lift(&b_to_a, b.sampled(), a.sampled(), labels.map(|(of_a, of_b)| (of_b, of_a))),

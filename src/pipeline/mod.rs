@@ -11,6 +11,7 @@ mod options;
 mod prepare;
 mod prepared;
 mod processor;
+mod thinned;
 mod warnings;
 
 pub use error::{Error, Result};

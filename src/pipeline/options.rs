@@ -13,14 +13,16 @@ use crate::shape::Axis;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct PrepareOptions {
-    /// Points that take part in the matching, 50 to 2 million; up to 1.5 times as many stay whole.
+    /// Points that take part, 50 to 2 million; up to 1.5 times as many stay whole. Basis and network see all of them; a match compares every point of one shape with
+    /// every point of the other, and so at most 7500 of each, evenly chosen, and lifts the rest.
     pub points: usize,
     /// Whether faces count, or the scan is taken as a cloud.
     pub faces: FaceUse,
     /// Which Laplacian; by default cotangents on meshes and on clouds the geodesic one, in which body parts that the network tells apart hold limbs in contact
     /// apart (the repair `limbs-told-apart` says where). One that is asked for by name knows nothing of parts.
     pub laplacian: Option<LaplacianKind>,
-    /// Eigenpairs k of the basis, 10 to 1000 (paper: 120).
+    /// Eigenpairs k of the basis, 10 to 1000 (paper: 120). The network has as many as it was trained with besides; the repair `few-eigenpairs` says where a shape
+    /// cannot have them.
     pub eigenpairs: usize,
     /// The axis that points up, where it is known; only shown so far, since matching does not depend on it.
     pub up: Option<Axis>,
@@ -78,7 +80,8 @@ pub struct MatchOptions {
     pub parts: Parts,
     /// How far the first map is polished.
     pub refine: Refinement,
-    /// Pairs (uploaded index on A, uploaded index on B) known to correspond.
+    /// Pairs (uploaded index on A, uploaded index on B) known to correspond. They hold in every round and in the result, draw along what lies around them, and choose
+    /// between maps.
     pub landmarks: Vec<[u32; 2]>,
     /// Hears of progress and may stop the call.
     #[serde(skip)]
@@ -98,7 +101,7 @@ pub enum Parts {
     /// Predicted by the network, as a soft mask.
     #[default]
     Predicted,
-    /// Labels that came with both scans, as a hard mask.
+    /// Labels that came with both scans: the point map stays within them. The first map and attention know up to 64 of them apart, the largest.
     Given,
     /// None.
     None,

@@ -40,7 +40,15 @@ pub async fn prepare_with<D: Device>(
     options: &PrepareOptions,
     progress: &mut Progress<'_>,
 ) -> Result<PreparedShape, Error> {
-    let (mut prepared, carriers, laplacian) = prepare_with_carriers(shape, name, options, progress)?;
+    let wanted = model.weights().map(|weights| weights.config.eigenpairs).max().unwrap_or(0);
+    let (mut prepared, carriers, laplacian) = prepare_with_carriers(shape, name, options, wanted, progress)?;
+    if prepared.basis.k() < wanted {
+        let found = prepared.basis.k();
+        let message = format!(
+            "the scan has {found} eigenpairs and the network looks at {wanted}: it sees less of it than it should"
+        );
+        prepared.repairs.push(Repair::noted("few-eigenpairs", found, message));
+    }
     // Kept through the network only where it may be needed again.
     let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
     let laplacian = by_default.then_some(laplacian);
@@ -53,7 +61,8 @@ pub async fn prepare_with<D: Device>(
         let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.5).is_ok());
         let (kind, sampled) = (prepared.info.laplacian, (&prepared.support, &prepared.coarse[..]));
         let meet = |i: u32, j: u32| f64::from(category.meeting(parts.row(i as usize), parts.row(j as usize)));
-        let apart = Geometry::of(&carriers, kind, Some(&meet), sampled, options.eigenpairs, &mut within);
+        let apart =
+            Geometry::of(&carriers, kind, Some(&meet), sampled, [options.eigenpairs, prepared.basis.k()], &mut within);
         drop(within);
         match apart {
             Ok(apart) => {
@@ -76,6 +85,9 @@ pub async fn prepare_with<D: Device>(
     let extent = prepared.embeddings.first().and_then(|home| home.category.extent);
     prepared.info.unit = extent.and_then(|extent| unit(&prepared.points_of_rows(), extent));
     progress.at(Stage::Features, 1.0)?;
+    if prepared.basis.k() > prepared.info.eigenpairs {
+        prepared.basis = prepared.basis.truncated(prepared.info.eigenpairs);
+    }
     prepared.info.seconds = progress.take_seconds();
     Ok(prepared)
 }
@@ -111,11 +123,14 @@ async fn ask<D: Device>(
         let embedding = match embed(model.device(), trained, &inputs).await {
             Ok(embedding) => embedding,
             Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
-            Err(Interrupted::Failed(fallback)) => {
-                prepared.info.fallback = Some(fallback);
+            Err(interrupted) => {
+                prepared.info.fallback = interrupted.fallback();
                 model.on_cpu().networks()[index].embed(&Cpu, &inputs).await
             }
         };
+        if !embedding.is_finite() {
+            return Err(Error::NotFinite { what: "what the network says of a scan".to_owned() });
+        }
         prepared.embeddings.push(embedding);
     }
     prepared.embeddings.sort_by(|x, y| margin(y).total_cmp(&margin(x)));
@@ -135,14 +150,16 @@ async fn embed<D: Device>(
 ) -> Result<PointEmbedding, Interrupted> {
     let embedding = trained.embed(device, inputs).await;
     still_well(device, Stage::Features)?;
-    Ok(embedding)
+    if embedding.is_finite() { Ok(embedding) } else { Err(Interrupted::NotFinite(Stage::Features)) }
 }
 
-/// All of [`prepare`] but the network, the carriers that operators were built on, and their Laplacian.
+/// All of [`prepare`] but the network, the carriers that operators were built on, and their Laplacian. The basis has `wanted` eigenpairs where fewer were asked for; memory for those
+/// that were must be there, for the others it is nice to have.
 pub(crate) fn prepare_with_carriers(
     shape: Shape,
     name: Option<String>,
     options: &PrepareOptions,
+    wanted: usize,
     progress: &mut Progress,
 ) -> Result<(PreparedShape, Carriers, Laplacian), Error> {
     options.check()?;
@@ -168,6 +185,7 @@ pub(crate) fn prepare_with_carriers(
     let more = if on_mesh { THIN_LIMIT } else { options.points / 2 };
     let most = options.points.saturating_add(more).max(if on_mesh { MESH_LIMIT } else { 0 });
     check_size(surface.len().min(most), options.eigenpairs)?;
+    let wanted = if check_size(surface.len().min(most), wanted).is_ok() { wanted } else { 0 };
     let aside = set_crumbs_aside(&used_shape, &surface);
     let unmatched = aside.unmatched();
     let Crumbs { body: surface, crumbs, far, pieces: crumb_count, far_vertices } = aside;
@@ -213,7 +231,7 @@ pub(crate) fn prepare_with_carriers(
     let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
 
     let carriers = Carriers::new(operator_shape);
-    let geometry = Geometry::of(&carriers, kind, None, (&support, &coarse), options.eigenpairs, progress)?;
+    let geometry = Geometry::of(&carriers, kind, None, (&support, &coarse), [options.eigenpairs, wanted], progress)?;
     let Geometry { laplacian, basis, report, features, surface } = geometry;
     repairs.extend(not_proved(&report, &basis));
 
@@ -228,7 +246,7 @@ pub(crate) fn prepare_with_carriers(
         up_axis: options.up.or(as_read.up()).or_else(|| longest_axis(&used)),
         scale: operators::surface_area(&carriers.shape, &laplacian, &carriers.neighbourhood).sqrt(),
         laplacian: kind,
-        eigenpairs: basis.k(),
+        eigenpairs: basis.k().min(options.eigenpairs),
         residual: report.residual,
         seconds: BTreeMap::new(),
         fallback: None,

@@ -54,9 +54,21 @@ pub(crate) fn of_shapes(a: &PreparedShape, b: &PreparedShape) -> Vec<Warning> {
     warnings
 }
 
-/// When the pair is unlike those the network was trained on; `without` says that another map than the network's was taken.
-pub(crate) fn verdict(home: &Home, without: bool) -> Option<Warning> {
+/// Of a map that keeps lengths and exchanges left and right.
+pub(crate) fn inside_out() -> Warning {
+    let message =
+        "the map turns the surface inside out: one of the scans seems to be mirrored, or left and right are exchanged";
+    Warning::new("inside-out", message)
+}
+
+/// When the pair is unlike those the network was trained on; `without` says that another map than the network's was taken, `by_landmarks` that these spoke
+/// against it.
+pub(crate) fn verdict(home: &Home, without: bool, by_landmarks: bool) -> Option<Warning> {
     let (category, scores) = (&home.embeddings[0].category, home.scores);
+    if without && by_landmarks && !scores.is_of_others() {
+        let message = "unsure: the landmarks contradict the network's map; one made without it agrees with them better and was taken";
+        return Some(Warning::new("landmarks-against-network", message));
+    }
     match (without, scores.is_of_others() || scores.is_strange()) {
         (true, _) => {
             let message = format!(

@@ -4,6 +4,7 @@ use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 
 use super::alignment::{Rotation, axis_rotations, best_rotation, compose, inverse, principal_axes, rotate};
 use super::chirality::{chirality, outward_normals};
+use super::landmarks::Constraints;
 use crate::device::Device;
 use crate::maps::{Beside, FunctionalMap, MapPair, Matchable, joint_nearest, maps_of_match, smoothed};
 
@@ -17,6 +18,8 @@ const FINALISTS: usize = 8;
 const FINAL_ROUNDS: usize = 4;
 /// Basis size of the first maps. Refinement must not start below (an exact map at k = 30 ends worse than a fair one at 50).
 const FIRST: usize = 50;
+/// Distance from its partner, in √area, at which the odds that a landmark is matched rightly are e times worse.
+const LANDMARK_SCALE: f64 = 0.03;
 /// Wavelengths of the position encoding, in √area: from longer than a body to a limb's length.
 const WAVELENGTHS: [f64; 3] = [4.0, 2.0, 1.0];
 /// Weight of all position channels together against all invariant ones together.
@@ -26,14 +29,13 @@ const POSITION_WEIGHT: f64 = 2.0;
 ///
 /// The 24 ways to lay the principal axes of B onto those of A are each tried with a small map; the one whose map is most nearly a rotation of
 /// the whole body wins, and the rotation it implies sets the frame for the real solve. Everything depends on relative positions only, so
-/// turning, moving or scaling a body changes nothing. `known` (k, l) are coefficients of functions known to correspond, `parts` labels (n)
-/// that keep points apart.
+/// turning, moving or scaling a body changes nothing. `known` (k, l) are coefficients of functions known to correspond, `constraints` points and parts.
 pub async fn initial_maps<D: Device>(
     device: &D,
     a: &Matchable,
     b: &Matchable,
     known: Option<(ArrayView2<'_, f64>, ArrayView2<'_, f64>)>,
-    parts: Option<(&[u32], &[u32])>,
+    constraints: Constraints<'_>,
 ) -> MapPair {
     let invariant = |m: &Matchable| {
         let features = m.features.mapv(f64::from);
@@ -59,7 +61,7 @@ pub async fn initial_maps<D: Device>(
     };
 
     let k = FIRST.min(a.basis.k()).min(b.basis.k());
-    let trial = Trial::new(device, a, b, parts, k);
+    let trial = Trial::new(device, a, b, constraints, k);
     let mut tried = Vec::new();
     for turn in axis_rotations() {
         let rotation = compose(&inverse(&axes_a), &compose(&turn, &axes_b));
@@ -67,7 +69,7 @@ pub async fn initial_maps<D: Device>(
         tried.push(trial.judge(device, solve(small, &rotation), small, 0).await);
     }
     // The most rotation-like few are worth a real map each.
-    tried.sort_by(|x, y| x.residual.total_cmp(&y.residual));
+    tried.sort_by(|x, y| (x.residual * x.contradiction()).total_cmp(&(y.residual * y.contradiction())));
     let mut best: Option<Verdict> = None;
     for first in tried.into_iter().take(FINALISTS) {
         let verdict = trial.judge(device, solve(k, &first.rotation), k, FINAL_ROUNDS).await;
@@ -86,6 +88,8 @@ struct Trial<T> {
     phi_a: Array2<f32>,
     on_device: [T; 2],
     parts: Option<[Vec<u32>; 2]>,
+    /// The last so many points of each are landmarks.
+    landmarks: usize,
 }
 
 /// What a candidate map implies.
@@ -98,6 +102,8 @@ struct Verdict {
     residual: f64,
     /// Whether it keeps the outside out.
     chirality: f64,
+    /// Mean distance at which the map passes landmarks by, in √area; 0 without any.
+    off_landmarks: f64,
     /// Mean squared difference of the invariant descriptors, each of variance 1: 2 for a map that knows nothing.
     mismatch: f64,
 }
@@ -110,7 +116,12 @@ impl Verdict {
     fn badness(&self) -> f64 {
         let one_point = 1.0 / TRIAL_POINTS as f64;
         let inside_out = (1.0 - self.chirality + one_point) / (1.0 + self.chirality + one_point);
-        self.residual * inside_out * (0.1 + self.mismatch)
+        self.residual * inside_out * (0.1 + self.mismatch) * self.contradiction()
+    }
+
+    /// The odds against the map by what a user knows, which may outweigh all else: of two maps the one that turns a body inside out is right where landmarks say so.
+    fn contradiction(&self) -> f64 {
+        (self.off_landmarks / LANDMARK_SCALE).exp()
     }
 }
 
@@ -119,12 +130,16 @@ impl<T> Trial<T> {
         device: &D,
         a: &Matchable,
         b: &Matchable,
-        parts: Option<(&[u32], &[u32])>,
+        constraints: Constraints<'_>,
         k: usize,
     ) -> Self {
-        let rows = |m: &Matchable| m.coarse[..TRIAL_POINTS.min(m.coarse.len())].to_vec();
+        let landmarks = constraints.nearby();
+        let rows = |m: &Matchable, side: usize| -> Vec<u32> {
+            let even = m.coarse.iter().take(TRIAL_POINTS).copied();
+            even.chain(landmarks.iter().map(|pair| pair[side])).collect()
+        };
         let at = |m: &Matchable, rows: &[u32]| m.points.select(Axis(0), &wide(rows));
-        let (rows_a, rows_b) = (rows(a), rows(b));
+        let (rows_a, rows_b) = (rows(a, 0), rows(b, 1));
         let points = [at(a, &rows_a), at(b, &rows_b)];
         let normals = |m: &Matchable, points: &Array2<f64>| outward_normals(at(m, &m.coarse).view(), points.view());
         let normals = [normals(a, &points[0]), normals(b, &points[1])];
@@ -132,8 +147,8 @@ impl<T> Trial<T> {
         let phi_a = a.phi_at(&rows_a, k);
         let on_device = [device.upload(phi_a.view()), device.upload(b.phi_at(&rows_b, k).view())];
         let labels = |of: &[u32], rows: &[u32]| rows.iter().map(|&i| of[i as usize]).collect();
-        let parts = parts.map(|(of_a, of_b)| [labels(of_a, &rows_a), labels(of_b, &rows_b)]);
-        Self { points, normals, features, phi_a, on_device, parts }
+        let parts = constraints.parts.map(|(of_a, of_b)| [labels(of_a, &rows_a), labels(of_b, &rows_b)]);
+        Self { points, normals, features, phi_a, on_device, parts, landmarks: landmarks.len() }
     }
 
     /// Judges maps of size k after some rounds of matching and fitting again.
@@ -159,7 +174,18 @@ impl<T> Trial<T> {
         let chirality = chirality(points_a.view(), self.normals[0].view(), smooth.view(), image_normals.view());
         let differences = &self.features[0] - &self.features[1].select(Axis(0), &to_b);
         let mismatch = differences.iter().map(|&d| f64::from(d * d)).sum::<f64>() / differences.len().max(1) as f64;
-        Verdict { maps, rotation, residual, chirality, mismatch }
+        let apart = |points: &Array2<f64>, found: usize, wanted: usize| {
+            (0..3).map(|c| (points[(found, c)] - points[(wanted, c)]).powi(2)).sum::<f64>().sqrt()
+        };
+        let (first_a, first_b) = (to_b.len() - self.landmarks, to_a.len() - self.landmarks);
+        let off: f64 = (0..self.landmarks)
+            .map(|l| {
+                let (i, j) = (first_a + l, first_b + l);
+                0.5 * (apart(points_b, to_b[i], j) + apart(points_a, to_a[j], i))
+            })
+            .sum();
+        let off_landmarks = off / self.landmarks.max(1) as f64;
+        Verdict { maps, rotation, residual, chirality, off_landmarks, mismatch }
     }
 }
 
@@ -169,10 +195,10 @@ fn wide(indices: &[u32]) -> Vec<usize> {
 
 fn solve_both(a: &Matchable, b: &Matchable, g_a: ArrayView2<f64>, g_b: ArrayView2<f64>, k: usize) -> MapPair {
     let (g_a, g_b) = (g_a.slice(s![..k, ..]), g_b.slice(s![..k, ..]));
-    let (lambda_a, lambda_b) = (a.basis.eigenvalues.slice(s![..k]), b.basis.eigenvalues.slice(s![..k]));
+    let [lambda_a, lambda_b] = [a, b].map(|m| m.basis.eigenvalues.slice(s![..k]).mapv(|l| l / m.basis.weyl_factor()));
     MapPair {
-        c_ab: FunctionalMap::solve(g_a, g_b, lambda_a, lambda_b).matrix,
-        c_ba: FunctionalMap::solve(g_b, g_a, lambda_b, lambda_a).matrix,
+        c_ab: FunctionalMap::solve(g_a, g_b, lambda_a.view(), lambda_b.view()).matrix,
+        c_ba: FunctionalMap::solve(g_b, g_a, lambda_b.view(), lambda_a.view()).matrix,
     }
 }
 

@@ -5,8 +5,12 @@ mod as_rigid_as_possible;
 mod chirality;
 mod deformation;
 mod initial;
+mod landmarks;
 mod refine;
 
 pub(crate) use alignment::{Rotation, best_rotation_and_certainty, turned};
+pub(crate) use chirality::{INSIDE_OUT, chirality_of_match};
 pub use initial::initial_maps;
+pub use landmarks::Constraints;
+pub(crate) use landmarks::{AWAY, distinct, sampled_at};
 pub use refine::{COARSE, Refined, Refinement, refine};

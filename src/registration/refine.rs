@@ -8,6 +8,7 @@ use ndarray::{Array2, Axis, concatenate};
 use serde::{Deserialize, Serialize};
 
 use super::deformation::{Columns, Registration};
+use super::landmarks::{Constraints, doubt, nearness, residuals, samples};
 use crate::confidence::{Cues, confidence};
 use crate::device::{Device, Interrupted, still_well};
 use crate::maps::{Beside, Correspondence, MapPair, Matchable, joint_nearest, maps_of_match};
@@ -28,6 +29,9 @@ pub enum Refinement {
 
 /// Points of each body's even sampling that iterations run on.
 pub const COARSE: usize = 2000;
+/// Weight of the nearness to a landmark in every round: two points, one of which is in the place of a landmark and the other far from it, are as different as if
+/// they lay half of √area apart.
+const LANDMARKS: f32 = 4.0;
 /// Growth of the basis per ZoomOut iteration.
 const STEP: usize = 10;
 
@@ -125,21 +129,25 @@ struct Side<T> {
     phi: T,
     /// Further columns that say which point is which, when there are any.
     extra: Option<T>,
+    /// How near the rows are to each landmark, when there are any.
+    landmarks: Option<T>,
     /// Part label per row, when parts keep points apart.
     parts: Option<Vec<u32>>,
 }
 
 impl<T> Side<T> {
-    /// Every point of a body, with `extra` columns and the first k eigenfunctions.
+    /// Every point of a body, with `extra` columns, those of `landmarks`, and the first k eigenfunctions.
     fn new<D: Device<Tensor = T>>(
         device: &D,
         shape: &Matchable,
         extra: Option<&T>,
+        landmarks: Option<&Array2<f32>>,
         parts: Option<&[u32]>,
         k: usize,
     ) -> Self {
         let extra = extra.map(|extra| device.concat(&[(extra, 1.0)]));
-        Self { phi: device.upload(shape.phi(k).view()), extra, parts: parts.map(<[u32]>::to_vec) }
+        let landmarks = landmarks.map(|nearness| device.upload(nearness.view()));
+        Self { phi: device.upload(shape.phi(k).view()), extra, landmarks, parts: parts.map(<[u32]>::to_vec) }
     }
 
     /// Some of the points.
@@ -147,7 +155,8 @@ impl<T> Side<T> {
         let parts = self.parts.as_ref().map(|parts| rows.iter().map(|&i| parts[i as usize]).collect());
         let rows = device.upload_indices(rows);
         let extra = self.extra.as_ref().map(|extra| device.gather(extra, &rows));
-        Self { phi: device.gather(&self.phi, &rows), extra, parts }
+        let landmarks = self.landmarks.as_ref().map(|nearness| device.gather(nearness, &rows));
+        Self { phi: device.gather(&self.phi, &rows), extra, landmarks, parts }
     }
 }
 
@@ -155,7 +164,9 @@ impl<T> Side<T> {
 fn known<T>([a, b]: &[Side<T>; 2], weight: f32) -> Beside<'_, T> {
     let both = a.extra.as_ref().zip(b.extra.as_ref());
     let extra = both.filter(|_| weight > 0.0).map(|(on_a, on_b)| ([on_a, on_b], weight));
-    Beside { extra, registered: None }
+    let landmarks = a.landmarks.as_ref().zip(b.landmarks.as_ref());
+    let landmarks = landmarks.map(|(on_a, on_b)| ([on_a, on_b], LANDMARKS));
+    Beside { extra, landmarks, registered: None }
 }
 
 /// A refined match.
@@ -168,34 +179,48 @@ pub struct Refined {
     pub maps: MapPair,
     /// What confidence was judged by, from A to B and back.
     pub cues: [Cues; 2],
+    /// Mean distance at which the map passes the landmarks by, in √area; 0 without any.
+    pub residual: f64,
 }
 
 /// Refines `first` and matches every point both ways. `extra` are columns (n, c) of A and of B that agree at points that correspond, weighed as they are to
-/// count beside positions in √area: point features of a network, probabilities of parts. `parts` are part labels (n) of A and B: then
-/// no point is matched to another part (paper Sec. 3.3, at the level of the map). Returns the correspondences A → B and B → A, and the maps
-/// they came from.
+/// count beside positions in √area: point features of a network, probabilities of parts. Labels keep points in their part (paper Sec. 3.3, at the level of the map).
+/// Landmarks are matched to each other in every round and draw along what lies around them; whether the map has followed is left to be seen in its last match. First
+/// maps that are asked for as they are know nothing of landmarks here. Returns the correspondences A → B and B → A, and the maps they came from.
 pub async fn refine<D: Device>(
     device: &D,
     (a, b): (&Matchable, &Matchable),
     first: MapPair,
     extra: Option<&[D::Tensor; 2]>,
-    parts: Option<(&[u32], &[u32])>,
+    constraints: Constraints<'_>,
     refinement: Refinement,
     progress: &mut Progress<'_>,
 ) -> Result<Refined, Interrupted> {
     let schedule = if a.surface.oriented && b.surface.oriented { MESH } else { CLOUD };
     let smallest = first.c_ab.nrows();
     let largest = if refinement == Refinement::None { smallest } else { a.basis.k().min(b.basis.k()) };
-    let ((parts_a, parts_b), (extra_a, extra_b)) = (parts.unzip(), extra.map(|[on_a, on_b]| (on_a, on_b)).unzip());
-    let full = [Side::new(device, a, extra_a, parts_a, largest), Side::new(device, b, extra_b, parts_b, largest)];
+    let ((parts_a, parts_b), (extra_a, extra_b)) =
+        (constraints.parts.unzip(), extra.map(|[on_a, on_b]| (on_a, on_b)).unzip());
+    let nearby = constraints.nearby();
+    let near = (!nearby.is_empty()).then(|| {
+        [(a, 0), (b, 1)].map(|(shape, side): (_, usize)| nearness(shape, nearby.iter().map(move |pair| pair[side])))
+    });
+    let drawing = near.as_ref().filter(|_| refinement != Refinement::None);
+    let (near_a, near_b) = drawing.map(|[on_a, on_b]| (on_a, on_b)).unzip();
+    let full = [
+        Side::new(device, a, extra_a, near_a, parts_a, largest),
+        Side::new(device, b, extra_b, near_b, parts_b, largest),
+    ];
+    let held = samples([a, b], constraints.landmarks);
     let coarse = || [full[0].at(device, &a.coarse), full[1].at(device, &b.coarse)];
     let (maps, spectral, registered) = match refinement {
         Refinement::None => (first, 1.0, None),
-        Refinement::ZoomOut => (zoom_out(device, &coarse(), first, largest, progress).await?, 1.0, None),
+        Refinement::ZoomOut => (zoom_out(device, &coarse(), first, largest, &held, progress).await?, 1.0, None),
         Refinement::Best => {
             let coarse = coarse();
             let mut registration = Registration::new(a, b, COARSE);
             let mut there_and_back = nearest(device, &coarse, &first, 1.0, &known(&coarse, 1.0));
+            hold(device, &mut there_and_back, &held).await;
             let mut round = 0;
             loop {
                 progress.at(Stage::Refine, round as f64 / schedule.rounds as f64)?;
@@ -204,12 +229,14 @@ pub async fn refine<D: Device>(
                 let to_b = device.download_indices(&there_and_back.0).await;
                 let to_a = device.download_indices(&there_and_back.1).await;
                 still_well(device, Stage::Refine)?;
+                finite(&maps, Stage::Refine)?;
                 registration.follow(&to_b, &to_a, schedule.stiffness(round));
                 if round + 1 == schedule.rounds {
                     break (maps, schedule.spectral(round), Some(registration));
                 }
                 let beside = schedule.beside(device, &coarse, &registration.coarse(), round);
                 there_and_back = nearest(device, &coarse, &maps, schedule.spectral(round), &beside);
+                hold(device, &mut there_and_back, &held).await;
                 round += 1;
             }
         }
@@ -231,9 +258,15 @@ pub async fn refine<D: Device>(
     };
     let cues = [Cues::of([a, b], [&to_b, &to_a], registered_a), Cues::of([b, a], [&to_a, &to_b], registered_b)];
     let [confidence_a, confidence_b] = [&cues[0], &cues[1]].map(confidence);
-    let a_to_b = Correspondence { target: to_b, confidence: confidence_a };
-    let b_to_a = Correspondence { target: to_a, confidence: confidence_b };
-    Ok(Refined { a_to_b, b_to_a, maps, cues })
+    let mut a_to_b = Correspondence { target: to_b, confidence: confidence_a };
+    let mut b_to_a = Correspondence { target: to_a, confidence: confidence_b };
+    let residuals = residuals([a, b], constraints.landmarks, [&a_to_b.target, &b_to_a.target]);
+    if let Some([near_a, near_b]) = &near {
+        doubt(&mut a_to_b, near_a, &residuals);
+        doubt(&mut b_to_a, near_b, &residuals);
+    }
+    let residual = residuals.iter().sum::<f64>() / residuals.len().max(1) as f64;
+    Ok(Refined { a_to_b, b_to_a, maps, cues, residual })
 }
 
 /// ZoomOut: matches and maps in turn, the basis growing from that of `maps` to `largest` eigenfunctions.
@@ -242,19 +275,41 @@ async fn zoom_out<D: Device>(
     coarse: &[Side<D::Tensor>; 2],
     mut maps: MapPair,
     largest: usize,
+    held: &[[u32; 2]],
     progress: &mut Progress<'_>,
 ) -> Result<MapPair, Interrupted> {
     let smallest = maps.c_ab.nrows();
     let mut k = smallest;
     while k < largest {
         progress.at(Stage::Refine, (k - smallest) as f64 / (largest - smallest) as f64)?;
-        let there_and_back = nearest(device, coarse, &maps, 1.0, &Beside::nothing());
+        let beside = Beside { extra: None, ..known(coarse, 0.0) };
+        let mut there_and_back = nearest(device, coarse, &maps, 1.0, &beside);
+        hold(device, &mut there_and_back, held).await;
         k = (k + STEP).min(largest);
         let phi = leading(device, coarse, k);
         maps = maps_of_match(device, [&phi[0], &phi[1]], &there_and_back).await;
         still_well(device, Stage::Refine)?;
+        finite(&maps, Stage::Refine)?;
     }
     Ok(maps)
+}
+
+/// Matches samples that are known to correspond.
+async fn hold<D: Device>(device: &D, (to_b, to_a): &mut (D::Indices, D::Indices), held: &[[u32; 2]]) {
+    if held.is_empty() {
+        return;
+    }
+    let (mut there, mut back) = (device.download_indices(to_b).await, device.download_indices(to_a).await);
+    for &[s, t] in held {
+        there[s as usize] = t;
+        back[t as usize] = s;
+    }
+    (*to_b, *to_a) = (device.upload_indices(&there), device.upload_indices(&back));
+}
+
+/// Ends the work of a stage on maps that hold anything but numbers.
+fn finite(maps: &MapPair, stage: Stage) -> Result<(), Interrupted> {
+    if maps.is_finite() { Ok(()) } else { Err(Interrupted::NotFinite(stage)) }
 }
 
 /// The first k eigenfunctions of both sides.

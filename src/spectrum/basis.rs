@@ -2,6 +2,9 @@
 
 use ndarray::{Array1, Array2, ArrayView2, Axis, s};
 
+/// Eigenvalues whose mean λ_j/4πj says how an operator scales.
+const WEYL: std::ops::Range<usize> = 16..64;
+
 /// Φ (n, k) with ΦᵀMΦ = I, eigenvalues λ (k) ascending in 1/unit², and the mass M (n) in unit².
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectralBasis {
@@ -36,6 +39,16 @@ impl SpectralBasis {
             eigenvectors: self.eigenvectors.slice(s![.., ..k]).to_owned(),
             mass: self.mass.clone(),
         }
+    }
+
+    /// Mean of λ_j/4πj, by Weyl's law 1 for a smooth closed surface of unit area. What an operator on a cloud gets wrong in scale shows here; eigenvalues of two
+    /// shapes are compared after each is divided by its own.
+    pub(crate) fn weyl_factor(&self) -> f64 {
+        let range = WEYL.start.min(self.k() / 2)..WEYL.end.min(self.k());
+        let ratios: Vec<f64> =
+            range.map(|j| self.eigenvalues[j] / (4.0 * std::f64::consts::PI * j.max(1) as f64)).collect();
+        let mean = ratios.iter().sum::<f64>() / ratios.len().max(1) as f64;
+        if mean > 0.0 && mean.is_finite() { mean } else { 1.0 }
     }
 
     /// Coefficients of point functions: ΦᵀMf. Shapes: (n, c) → (k, c). Mass-weighted, so that projecting a

@@ -19,7 +19,7 @@ pub(crate) use pointwise::tanh;
 pub(crate) use rows::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows};
 #[cfg(feature = "train")]
 pub(crate) use solve_rows::solve_rows;
-pub(crate) use solve_rows::solve_rows_wide;
+pub(crate) use solve_rows::{solve_rows_wide, solve_symmetric};
 
 /// Runs on the thread that calls it.
 #[derive(Clone, Copy, Debug, Default)]

@@ -57,5 +57,5 @@ params! {
     /// Of what tiles of that found.
     NearestMerge for "nearest_merge" { rows: u32, first_row: u32, tiles: u32, continued: u32 }
     /// Of many small systems.
-    SolveRows for "solve_rows" { rows: u32, width: u32, first_row: u32 }
+    SolveRows for "solve_rows" { rows: u32, width: u32, first_row: u32, nothing: u32 }
 }

@@ -28,10 +28,12 @@ impl Gpu {
         let work_per_row = cubed / 3 + 6 * wide * wide;
         let slab = rows_per_dispatch(work_per_row, 1).min(TOGETHER);
         let work = self.room(slab.min(m) * (k + 1) * k);
+        // As bits, because a shader's constants may not be NaN.
+        let nothing = f32::NAN.to_bits();
         let bound = [&*gram.memory, &right.memory, &mask.memory, &work, &out.memory];
         for first in (0..m).step_by(slab) {
             let here = slab.min(m - first);
-            let params = SolveRows { rows: m as u32, width: k as u32, first_row: first as u32 };
+            let params = SolveRows { rows: m as u32, width: k as u32, first_row: first as u32, nothing };
             self.run(&self.kernels.solve_rows, params, &bound, [here as u32, 1, 1], here as u64 * work_per_row);
         }
         out

@@ -7,6 +7,8 @@ struct Params {
     // Unknowns.
     width: u32,
     first_row: u32,
+    // The bits of a NaN.
+    nothing: u32,
 }
 
 @group(0) @binding(0) var<uniform> p: Params;
@@ -130,6 +132,7 @@ fn solve_rows(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     substitute(factor, vector, lane);
     for (var i = lane; i < k; i += LANES) {
         let solved = out[own + i] + work[vector + i];
-        out[own + i] = select(0.0, solved, sound == 1u);
+        // Where there is no solution, that is said.
+        out[own + i] = bitcast<f32>(select(p.nothing, bitcast<u32>(solved), sound == 1u));
     }
 }
