@@ -1,5 +1,6 @@
 // Trains weights of the kind that ship, in two steps; options go on to the trainer. `npm run train` learns from part labels → runs/bodies, and
 // `npm run train -- --teacher runs/bodies/weights.safetensors` goes on from there and learns from places, too → runs/taught.
+// `npm run train -- --data FOLDER --out OUT` trains on labelled scans of one's own.
 import { existsSync, mkdirSync, readdirSync } from 'node:fs';
 import path from 'node:path';
 import { Failure, environment, main, root, run, say, which } from './run.mjs';
@@ -43,6 +44,8 @@ export function runTrainer(program, args) {
 }
 
 await main(import.meta, (args) => {
+  // Labelled scans of one's own, or body data that lies elsewhere: nothing is fetched, and the trainer says what is missing.
+  if (args.some((arg) => /^--data(=|$)/.test(arg))) return runTrainer('train', args);
   const [out, samples] = args.some((arg) => arg.startsWith('--teacher')) ? ['taught', 'placed'] : ['bodies', 'samples'];
   const folders = ['--out', path.join(root, 'runs', out), '--samples', path.join(root, 'runs', samples)];
   runTrainer('train', ['--data', bodyData(), ...folders, ...args]);

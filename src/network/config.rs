@@ -133,7 +133,7 @@ impl ModelConfig {
     /// to parts by −∞, maps by least squares, nothing that sees chirality but the positions.
     ///
     /// Not said in the paper and chosen here: 4 blocks of width 256, as DiffusionNet has them; sinusoidal ψ with d' = 18; two attention layers ("multiple")
-    /// of width 256. A departure: attention looks at a sampling of the other shape (1024 points in matching, 512 in training) and not at all
+    /// of width 256, before each of which points are normalised over their channels. A departure: attention looks at a sampling of the other shape (1024 points in matching, 512 in training) and not at all
     /// of its points, whose scores training would have to hold.
     pub fn paper() -> Self {
         Self {

@@ -120,9 +120,9 @@ fn products(of_parts: bool, first_query: u32, first_key: u32, lane: u32) -> arra
 }
 
 // The score of a key that is seen only where a part is shared.
-fn within(score: f32, shared: f32) -> f32 {
-    if (shared > 0.0) {
-        return score + log(shared);
+fn within(score: f32, alike: f32) -> f32 {
+    if (alike > 0.0) {
+        return score + log(alike);
     }
     return LOWEST;
 }
