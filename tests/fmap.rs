@@ -205,6 +205,20 @@ fn a_mirrored_cloud_is_matched_with_its_sides_exchanged() {
 }
 
 #[test]
+fn a_map_that_turns_the_surface_inside_out_is_said() {
+    let original = body("woman-striding.ply");
+    let [own, mirror] = [soup(&original), soup(&original).mirrored()].map(|s| prepared(s.shape(), &quick()));
+    // With the features of the woman herself, which take her mirror image for her.
+    let mistaken = PreparedShape { embedding: own.embedding.clone(), ..mirror };
+    let said = |other: &PreparedShape, refine: Refinement| {
+        let found = matched(&own, other, &MatchOptions { refine, ..Default::default() });
+        found.warnings.iter().any(|warning| warning.contains("inside out"))
+    };
+    assert!(said(&mistaken, Refinement::ZoomOut) && said(&mistaken, Refinement::Best));
+    assert!(!said(&own, Refinement::ZoomOut) && !said(&own, Refinement::Best));
+}
+
+#[test]
 fn given_parts_are_a_wall() {
     let [a, b] = &*PAIR;
     let options = MatchOptions { parts: Parts::Given, ..Default::default() };
