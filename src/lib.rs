@@ -1,18 +1,19 @@
 //! Which point of one deformable 3D scan is which point of the other.
 //!
-//! The path from bytes to a map, one module per step:
+//! The path from bytes to a map, one room (module) per step:
 //!
 //! ```text
-//! bytes ─read─▶ Shape ─graph─▶ EdgeGraph ─operators─▶ Laplacian ─spectrum─▶ SpectralBasis
-//!    ─features─▶ PointEmbedding ─(pair) attention, fmap─▶ FunctionalMap both ways ─refine─▶ Correspondence
+//! bytes ─read─▶ Shape ─operators─▶ Neighbourhood ─▶ Laplacian, mass, gradient ─spectrum─▶ SpectralBasis
+//!    ─network─▶ features, parts ─(pair) attention, maps─▶ FunctionalMap both ways ─registration─▶ Correspondence
+//!    ─confidence, lifting─▶ every uploaded point ─uses─▶ what it is for
 //! ```
 //!
-//! `pipeline.rs` is that line as code; start there. The method is the functional-map framework of the paper "GeoSe-FMap:
-//! Geometry–Semantic Functional Maps for Weakly Supervised Cross-Modal Deformable 3D Shape Correspondence"; where this crate departs from
-//! it, the place says so and why.
+//! [`pipeline`] is that line as code and the only room that knows the order; start there. The method is the functional-map framework of the paper "GeoSe-FMap:
+//! Geometry–Semantic Functional Maps for Weakly Supervised Cross-Modal Deformable 3D Shape Correspondence"; where this crate departs from it, the place says so
+//! and why.
 //!
 //! ```
-//! use geose_fmap::{MatchOptions, PrepareOptions, Progress, Shape, match_shapes, prepare};
+//! use geose_fmap::{MatchOptions, Matcher, PrepareOptions, Shape};
 //!
 //! // A bumpy, asymmetric egg, and the same egg lying on its side.
 //! let egg: Vec<[f64; 3]> = (0..400)
@@ -24,64 +25,75 @@
 //!     .collect();
 //! let lying = egg.iter().map(|p| [p[2], p[0], p[1]]).collect();
 //!
+//! let matcher = Matcher::new();
 //! let options = PrepareOptions { eigenpairs: 40, ..PrepareOptions::default() };
-//! let mut ready = |points| prepare(Shape::new(points, Vec::new(), None)?, None, &options, &mut Progress::silent());
-//! let (a, b) = (ready(egg)?, ready(lying)?);
-//! let matched = match_shapes(&a, &b, &MatchOptions::default(), &mut Progress::silent())?;
+//! let prepare = |points| matcher.prepare(Shape::new(points, Vec::new(), None)?, &options);
+//! let (a, b) = (prepare(egg)?, prepare(lying)?);
+//! let matched = matcher.match_shapes(&a, &b, &MatchOptions::default())?;
 //! let right = matched.a_to_b.target.iter().enumerate().filter(|&(i, &j)| i == j as usize).count();
 //! assert!(right > 390);
 //! # Ok::<(), geose_fmap::Error>(())
 //! ```
+//!
+//! # Words
+//!
+//! | word | paper | room |
+//! | --- | --- | --- |
+//! | k₀, k, τ, T, σ; refined graph 𝒢⁽ᵀ⁾ | Sec. 3.2, Algorithm 1 | `operators` ([`operators::LaplacianBuilder`]), `graph/refine.rs` |
+//! | Laplacian L, mass M | Sec. 3.2; L̃ = D̃ − W′ is the kind `geodesic-literal`, L = D − W the kind `gaussian` | [`operators`] |
+//! | quadric: the surface around a point, by moving least squares | not in the paper | `operators/quadrics.rs` |
+//! | spectral basis Φ, λ | Sec. 3.2, step 4 | [`spectrum`] |
+//! | heat and wave kernel signatures | – | [`descriptors`] |
+//! | sampled surface: an even sampling, which samples are adjacent, normals | – | `descriptors/sampled_surface.rs` |
+//! | features F, DiffusionNet | Sec. 3.3 | `network/diffusion_net.rs` |
+//! | position encoding ψ(P) | Sec. 3.3 | `network/inputs.rs` |
+//! | moments: inner and triple products with learned centres, by which left and right differ | not in the paper | `network/moments.rs` |
+//! | part-aware masked attention | Sec. 3.3 | `network/attention.rs` |
+//! | category: the kind of body that weights know, its parts and thresholds | the C = 8 labels of Sec. 4.1 | `network/category.rs` |
+//! | functional map C_ab: functions on A → functions on B | Sec. 3.3, C_AB | [`maps`] |
+//! | point map: goes the other way than its functional map | π | `maps/point_map.rs` |
+//! | out-of-distribution scores | – | `maps/learned.rs` |
+//! | registration: each body deformed onto the other, as rigidly as possible | – | [`registration`] |
+//! | chirality: whether a map turns a surface inside out | – | `registration/chirality.rs` |
+//! | cues, calibration, prior of a place: what confidence is made of | – | `confidence` |
+//! | lifting: from the points used to every uploaded point | – | `lifting` |
+//! | L_geo, L_orth, L_sem and the losses beside them | Sec. 3.4 | `train/losses.rs` (feature `train`) |
+//! | average geodesic error, accuracy, part IoU | Sec. 4.2 | `evaluate`, [`uses`] |
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "cli", not(target_arch = "wasm32")))]
 pub mod cli;
 mod confidence;
-mod descriptors;
-mod device;
-#[cfg(not(target_arch = "wasm32"))]
+pub mod descriptors;
+pub mod device;
+#[cfg(all(any(feature = "cli", feature = "train"), not(target_arch = "wasm32")))]
 mod evaluate;
-mod graph;
+pub mod graph;
 mod lifting;
-mod maps;
-mod network;
+pub mod maps;
+pub mod network;
 pub mod operators;
-mod pipeline;
+pub mod pipeline;
 mod progress;
 mod read;
-mod registration;
+pub mod registration;
 mod shape;
 pub mod spectrum;
 #[cfg(feature = "train")]
 pub mod train;
-mod uses;
+pub mod uses;
 mod vector;
 #[cfg(target_arch = "wasm32")]
 pub mod wasm;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "cli", not(target_arch = "wasm32")))]
 mod write;
 
-pub use descriptors::{PointFeatures, wave_kernel_signature};
-#[cfg(feature = "gpu")]
-pub use device::{Agreement, Gpu, GpuCounters, GpuIndices, GpuInfo, GpuOptions, GpuTensor, PoolSize};
-pub use device::{Cpu, Device, Fallback, Mask};
-pub use graph::{EdgeGraph, GeodesicGraph, Neighbours, RefineParams, RefineReport, nearest_neighbours, refine};
-pub use maps::{Correspondence, FunctionalMap, LearnedCues, Matchable, UNMATCHED};
-pub use network::{
-    Category, Embedding, Encoding, InputConfig, Model, ModelConfig, Network, Norm, Part, PointEmbedding, Position,
-    ShapeInputs, Solver, Source, Start, Statistics, Thresholds, TrainedNetwork, Weights, WeightsError, WeightsId,
-};
-pub use operators::{
-    EdgeFilter, Frame, Gradient, Laplacian, LaplacianBuilder, LaplacianKind, Mass, Neighbourhood, OperatorError,
-    gradient, laplacian, normals,
-};
+pub use maps::{Correspondence, UNMATCHED};
+pub use network::{Category, Weights};
+pub use operators::LaplacianKind;
 pub use pipeline::{
-    BlockError, DeviceChoice, DeviceError, DeviceInfo, DeviceKind, Error, FaceUse, GpuUse, Info, Match, MatchOptions,
-    Matcher, OptionError, Parts, PrepareOptions, PreparedShape, Processor, Result, ShapeKind, Warning, match_shapes,
-    match_with, prepare, prepare_with,
+    Error, FaceUse, Info, Match, MatchOptions, Matcher, Parts, PrepareOptions, PreparedShape, Result, Warning,
 };
 pub use progress::{Cancelled, Listener, Progress, Stage};
 pub use read::{Format, ReadError, read};
 pub use registration::Refinement;
 pub use shape::{Axis, Repair, Shape, ShapeError};
-pub use spectrum::{SpectralBasis, SpectrumError, SpectrumReport, spectrum};
-pub use uses::{EdgeDistances, PartScores, mean_error, part_scores, point_errors};

@@ -54,7 +54,7 @@ fn the_network_has_its_eigenpairs_however_few_are_asked_for() {
     let (few, enough) = (with(20), with(64));
     assert_eq!((few.basis.k(), few.info.eigenpairs), (20, 20));
     assert_eq!((few.basis.eigenvectors.ncols(), few.basis.eigenvalues.len()), (20, 20));
-    assert_eq!(few.embedding, enough.embedding);
+    assert_eq!(few.embeddings, enough.embeddings);
     let said = |shape: &PreparedShape| shape.repairs.iter().any(|repair| repair.code == "few-eigenpairs");
     assert!(!said(&few) && !said(&enough));
     let tiny = prepared(fibonacci_sphere(60).shape(), &quick());
@@ -68,7 +68,7 @@ fn a_prepared_shape_that_holds_no_numbers_is_refused_by_name() {
         |shape| shape.basis.eigenvectors[(5, 3)] = f64::NAN,
         |shape| shape.basis.eigenvalues[7] = f64::INFINITY,
         |shape| shape.features[(9, 1)] = f32::NAN,
-        |shape| shape.embedding.as_mut().expect("asked").features[(9, 1)] = f32::NAN,
+        |shape| shape.embeddings[0].features[(9, 1)] = f32::NAN,
     ];
     for spoil in spoiled {
         let mut bad = good.clone();

@@ -67,9 +67,6 @@ fn what_lies_around_landmarks_goes_where_they_say() {
         println!("{refine:?}: {off:?}; weights {:?}; {:?}", found.weights, found.warnings);
         assert!(landmarks.iter().all(|&[i, j]| found.a_to_b.target[i as usize] == j), "the landmarks themselves");
         assert!(off.iter().all(|&off| off < 0.1), "{refine:?}: {off:?}");
-        // Left for right on a body that is no mirror image.
-        let told = found.warnings.iter().any(|warning| warning.message.contains("inside out"));
-        assert!(told, "{refine:?}: {:?}", found.warnings);
     }
 }
 
