@@ -6,10 +6,10 @@
 
 use std::cell::RefCell;
 
-use geose_fmap::{
-    FaceUse, Gpu, GpuCounters, GpuOptions, MatchOptions, Model, PrepareOptions, PreparedShape, Progress, Stage,
-    match_with, prepare_with, read,
-};
+use geose_fmap::device::{Gpu, GpuCounters, GpuOptions};
+use geose_fmap::network::Model;
+use geose_fmap::pipeline::{match_with, prepare_with};
+use geose_fmap::{FaceUse, MatchOptions, PrepareOptions, PreparedShape, Progress, Stage, read};
 use pollster::block_on;
 
 /// What the data sheets of a middling card of 2024 say: f32 operations and bytes of its memory per second, and bytes over its bus.

@@ -5,7 +5,8 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use geose_fmap::{LaplacianKind, Progress, Shape, laplacian};
+use geose_fmap::operators::laplacian;
+use geose_fmap::{LaplacianKind, Progress, Shape};
 use shapes::{Random, Soup, body, farthest, soup, subdivided};
 
 #[path = "../tests/shapes/mod.rs"]

@@ -6,10 +6,10 @@ use std::path::Path;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use geose_fmap::{
-    FaceUse, LaplacianKind, MatchOptions, PrepareOptions, Progress, Refinement, Shape, laplacian, match_shapes,
-    prepare, read, spectrum,
-};
+use geose_fmap::operators::laplacian;
+use geose_fmap::pipeline::{match_shapes, prepare};
+use geose_fmap::spectrum::spectrum;
+use geose_fmap::{FaceUse, LaplacianKind, MatchOptions, PrepareOptions, Progress, Refinement, Shape, read};
 
 fn sample(name: &str) -> Shape {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("www/public/samples").join(name);

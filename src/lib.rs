@@ -65,7 +65,7 @@ pub mod cli;
 mod confidence;
 pub mod descriptors;
 pub mod device;
-#[cfg(all(any(feature = "cli", feature = "train"), not(target_arch = "wasm32")))]
+#[cfg(all(feature = "cli", not(target_arch = "wasm32")))]
 mod evaluate;
 pub mod graph;
 mod lifting;

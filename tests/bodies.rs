@@ -4,6 +4,8 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize};
 
+use geose_fmap::network::{Model, ModelConfig};
+use geose_fmap::pipeline::prepare;
 use geose_fmap::train::atlas::Atlas;
 use geose_fmap::train::bodies::BodyModel;
 use geose_fmap::train::bodies::held_out::{HeldOut, write_set};
@@ -12,7 +14,7 @@ use geose_fmap::train::bodies::pose::{Arm, Pose};
 use geose_fmap::train::bodies::scan::ScanOptions;
 use geose_fmap::train::bodies::shape_mixture::Person;
 use geose_fmap::train::pool::{ATLAS_POINTS, Maker, Pool, SampleConfig};
-use geose_fmap::{Model, ModelConfig, PrepareOptions, Progress, prepare, read};
+use geose_fmap::{PrepareOptions, Progress, read};
 use ndarray::ArrayView1;
 
 fn model() -> BodyModel {

@@ -5,7 +5,8 @@ mod shapes;
 
 use std::sync::LazyLock;
 
-use geose_fmap::{Error, Match, MatchOptions, PrepareOptions, PreparedShape, Progress, Stage, UNMATCHED, match_shapes};
+use geose_fmap::pipeline::match_shapes;
+use geose_fmap::{Error, Match, MatchOptions, PrepareOptions, PreparedShape, Progress, Stage, UNMATCHED};
 use shapes::{blob, body, distance, fibonacci_sphere, prepared};
 
 fn quick() -> PrepareOptions {

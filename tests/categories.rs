@@ -5,10 +5,10 @@ mod shapes;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use geose_fmap::{
-    Category, Cpu, DeviceChoice, MatchOptions, Model, PrepareOptions, PreparedShape, Processor, Progress, Shape,
-    Weights, match_with, prepare_with,
-};
+use geose_fmap::device::Cpu;
+use geose_fmap::network::Model;
+use geose_fmap::pipeline::{DeviceChoice, Processor, match_with, prepare_with};
+use geose_fmap::{Category, MatchOptions, PrepareOptions, PreparedShape, Progress, Shape, Weights};
 use ndarray::{Array2, Axis};
 use pollster::block_on;
 

@@ -2,14 +2,12 @@
 
 mod shapes;
 
-use geose_fmap::{
-    Correspondence, LaplacianKind, MatchOptions, PrepareOptions, PreparedShape, Progress, Shape, Stage, match_shapes,
-    prepare,
-};
+use geose_fmap::pipeline::{match_shapes, prepare};
+use geose_fmap::{Correspondence, LaplacianKind, MatchOptions, PrepareOptions, PreparedShape, Progress, Shape, Stage};
 use shapes::{body, distance, prepared};
 
 fn part(name: &str) -> u32 {
-    geose_fmap::Model::embedded().networks()[0]
+    geose_fmap::network::Model::embedded().networks()[0]
         .category()
         .part_names()
         .iter()

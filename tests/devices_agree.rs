@@ -1,7 +1,8 @@
 //! The GPU computes what the CPU computes, says what it did, and says so when it cannot. Runs on any Vulkan, Metal or DirectX device, also in software.
 #![cfg(all(feature = "gpu", not(target_arch = "wasm32")))]
 
-use geose_fmap::{Cpu, Device, Gpu, GpuCounters, GpuOptions, Mask, Model, Network, ShapeInputs};
+use geose_fmap::device::{Cpu, Device, Gpu, GpuCounters, GpuOptions, Mask};
+use geose_fmap::network::{Model, Network, ShapeInputs};
 use ndarray::{Array2, array};
 use pollster::block_on;
 

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use geose_fmap::part_scores;
+use geose_fmap::uses::part_scores;
 use serde_json::Value;
 use shapes::{Soup, blob, sheet, turn};
 

@@ -5,9 +5,11 @@ mod shapes;
 
 use std::sync::LazyLock;
 
+use geose_fmap::maps::FunctionalMap;
+use geose_fmap::pipeline::match_shapes;
+use geose_fmap::uses::{EdgeDistances, mean_error};
 use geose_fmap::{
-    EdgeDistances, FaceUse, FunctionalMap, LaplacianKind, Match, MatchOptions, Parts, PrepareOptions, PreparedShape,
-    Progress, Refinement, Shape, match_shapes, mean_error,
+    FaceUse, LaplacianKind, Match, MatchOptions, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape,
 };
 use ndarray::{Array1, Array2, Axis};
 use shapes::{Random, blob, body, prepared, soup};
@@ -213,7 +215,7 @@ fn a_map_that_turns_the_surface_inside_out_is_said() {
     let original = body("woman-striding.ply");
     let [own, mirror] = [soup(&original), soup(&original).mirrored()].map(|s| prepared(s.shape(), &quick()));
     // With the features of the woman herself, which take her mirror image for her.
-    let mistaken = PreparedShape { embedding: own.embedding.clone(), ..mirror };
+    let mistaken = PreparedShape { embeddings: own.embeddings.clone(), ..mirror };
     let said = |other: &PreparedShape, refine: Refinement| {
         let found = matched(&own, other, &MatchOptions { refine, ..Default::default() });
         found.warnings.iter().any(|warning| warning.message.contains("inside out"))

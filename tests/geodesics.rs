@@ -5,7 +5,7 @@ mod shapes;
 
 use std::collections::BTreeSet;
 
-use geose_fmap::{EdgeGraph, RefineParams, nearest_neighbours, refine};
+use geose_fmap::graph::{EdgeGraph, RefineParams, nearest_neighbours, refine};
 use shapes::{Random, Soup, blob, body, distance, fibonacci_sphere, folded_strip};
 
 /// Lengths of shortest paths from `source`: Dijkstra without a heap, on nothing but the list of edges.

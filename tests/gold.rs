@@ -5,7 +5,9 @@ mod shapes;
 
 use std::f64::consts::TAU;
 
-use geose_fmap::{LaplacianKind, Progress, RefineParams, Shape, nearest_neighbours, refine, spectrum};
+use geose_fmap::graph::{RefineParams, nearest_neighbours, refine};
+use geose_fmap::spectrum::spectrum;
+use geose_fmap::{LaplacianKind, Progress, Shape};
 use serde_json::Value;
 use shapes::{Soup, blob, body, icosphere, laplacian, sheet, soup, torus};
 

@@ -2,10 +2,10 @@
 //! `--enable-unsafe-webgpu --use-webgpu-adapter=swiftshader`.
 #![cfg(all(feature = "gpu", target_arch = "wasm32"))]
 
-use geose_fmap::{
-    Device, DeviceChoice, DeviceKind, Gpu, GpuOptions, MatchOptions, Model, PrepareOptions, PreparedShape, Processor,
-    Progress, Stage, match_shapes, match_with, prepare, prepare_with, read,
-};
+use geose_fmap::device::{Device, Gpu, GpuOptions};
+use geose_fmap::network::Model;
+use geose_fmap::pipeline::{DeviceChoice, DeviceKind, Processor, match_shapes, match_with, prepare, prepare_with};
+use geose_fmap::{MatchOptions, PrepareOptions, PreparedShape, Progress, Stage, read};
 use ndarray::Array2;
 use wasm_bindgen_test::{console_log, wasm_bindgen_test, wasm_bindgen_test_configure};
 

@@ -5,11 +5,11 @@ mod shapes;
 
 use std::path::PathBuf;
 
-use geose_fmap::{
-    DeviceChoice, DeviceKind, EdgeDistances, FaceUse, Gpu, GpuCounters, GpuOptions, GpuUse, Match, MatchOptions, Model,
-    PrepareOptions, PreparedShape, Processor, Progress, Refinement, Shape, Stage, match_shapes, match_with, mean_error,
-    prepare_with,
-};
+use geose_fmap::device::{Gpu, GpuCounters, GpuOptions};
+use geose_fmap::network::Model;
+use geose_fmap::pipeline::{DeviceChoice, DeviceKind, GpuUse, Processor, match_shapes, match_with, prepare_with};
+use geose_fmap::uses::{EdgeDistances, mean_error};
+use geose_fmap::{FaceUse, Match, MatchOptions, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Stage};
 use pollster::block_on;
 use shapes::{body, prepared, scan};
 

@@ -3,7 +3,9 @@
 
 mod shapes;
 
-use geose_fmap::{Gradient, LaplacianKind, Progress, Shape, gradient, normals, spectrum};
+use geose_fmap::operators::{Gradient, gradient, normals};
+use geose_fmap::spectrum::spectrum;
+use geose_fmap::{LaplacianKind, Progress, Shape};
 use shapes::{Random, Soup, blob, body, fibonacci_sphere, icosphere, laplacian, sheet, subdivided, turn};
 
 fn gradient_of(shape: &Shape) -> Gradient {

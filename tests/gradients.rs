@@ -2,9 +2,10 @@
 #![cfg(feature = "train")]
 
 use candle_core::{Tensor, Var};
+use geose_fmap::device::{Cpu, Device, Mask};
+use geose_fmap::network::Solver;
 use geose_fmap::train::device::{Autodiff, matrix, tensor};
 use geose_fmap::train::losses::{LossWeights, Side, losses, one_hot};
-use geose_fmap::{Cpu, Device, Mask, Solver};
 use ndarray::Array2;
 
 /// Smooth, without symmetry, of size about 1.

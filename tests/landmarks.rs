@@ -5,10 +5,9 @@ mod shapes;
 
 use std::sync::LazyLock;
 
-use geose_fmap::{
-    EdgeDistances, Match, MatchOptions, PrepareOptions, PreparedShape, Progress, Refinement, Shape, match_shapes,
-    mean_error,
-};
+use geose_fmap::pipeline::match_shapes;
+use geose_fmap::uses::{EdgeDistances, mean_error};
+use geose_fmap::{Match, MatchOptions, PrepareOptions, PreparedShape, Progress, Refinement, Shape};
 use shapes::{body, distance, icosphere, prepared};
 
 /// 60 eigenpairs and 1500 points are enough for the truths here.
@@ -32,7 +31,7 @@ fn error(target: &[u32], on: &Shape) -> f64 {
 
 /// The point of a part that is farthest from the middle of the body: the tip of a hand or a foot.
 fn tip(shape: &PreparedShape, part: &str) -> u32 {
-    let label = geose_fmap::Model::embedded().networks()[0]
+    let label = geose_fmap::network::Model::embedded().networks()[0]
         .category()
         .part_names()
         .iter()

@@ -3,7 +3,10 @@
 
 mod shapes;
 
-use geose_fmap::{Laplacian, LaplacianKind, Progress, RefineParams, nearest_neighbours, refine, spectrum};
+use geose_fmap::graph::{RefineParams, nearest_neighbours, refine};
+use geose_fmap::operators::Laplacian;
+use geose_fmap::spectrum::spectrum;
+use geose_fmap::{LaplacianKind, Progress};
 use shapes::{
     Random, Soup, blob, body, dense, distance, fibonacci_sphere, folded_strip, icosphere, laplacian, sheet, torus, turn,
 };
@@ -337,7 +340,8 @@ fn clouds_of_copies_give_a_spectrum_or_at_least_finite_numbers_and_a_sentence() 
 #[test]
 fn cotangents_without_faces_are_refused() {
     let cloud = fibonacci_sphere(60).shape();
-    let error = geose_fmap::laplacian(&cloud, LaplacianKind::Cotangent, &mut Progress::silent()).expect_err("refused");
+    let error = geose_fmap::operators::laplacian(&cloud, LaplacianKind::Cotangent, &mut Progress::silent())
+        .expect_err("refused");
     assert_eq!(error.code(), "needs-faces");
 }
 

@@ -3,10 +3,10 @@
 
 mod shapes;
 
-use geose_fmap::{
-    EdgeGraph, Laplacian, LaplacianBuilder, LaplacianKind, Mass, Neighbourhood, OperatorError, Progress, Shape,
-    nearest_neighbours, spectrum,
-};
+use geose_fmap::graph::{EdgeGraph, nearest_neighbours};
+use geose_fmap::operators::{Laplacian, LaplacianBuilder, Mass, Neighbourhood, OperatorError};
+use geose_fmap::spectrum::spectrum;
+use geose_fmap::{LaplacianKind, Progress, Shape};
 use shapes::{blob, distance, fibonacci_sphere, folded_strip};
 
 use LaplacianKind::{Cotangent, Euclidean, Gaussian, Geodesic, GeodesicLiteral};
@@ -128,7 +128,7 @@ fn what_a_kind_does_not_have_is_refused_by_name() {
             ("tau", plain.ratio(2.0)),
             ("iterations", plain.iterations(2)),
             ("sigma", plain.sigma(0.2)),
-            ("edgeFilter", plain.edge_filter(&filter as geose_fmap::EdgeFilter)),
+            ("edgeFilter", plain.edge_filter(&filter as geose_fmap::operators::EdgeFilter)),
         ] {
             if has(kind).contains(&option) {
                 assert_eq!(built(builder, &ball).kind, kind);
@@ -186,7 +186,7 @@ fn one_neighbourhood_serves_every_laplacian_with_the_same_bits() {
     let neighbourhood = Neighbourhood::of(cloud.points());
     let across = |i: u32, j: u32| if (i < 300) == (j < 300) { 1.0 } else { 0.0 };
     let geodesic = LaplacianBuilder::new(Geodesic);
-    let filtered = geodesic.edge_filter(&across as geose_fmap::EdgeFilter);
+    let filtered = geodesic.edge_filter(&across as geose_fmap::operators::EdgeFilter);
     let kinds = [Geodesic, GeodesicLiteral, Euclidean, Gaussian].map(LaplacianBuilder::new);
     for builder in kinds.into_iter().chain([filtered, geodesic]) {
         let shared = builder.build_around(&neighbourhood, &mut Progress::silent()).expect("a Laplacian");

@@ -3,10 +3,9 @@
 
 mod shapes;
 
-use geose_fmap::{
-    MatchOptions, Model, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Warning, Weights,
-    match_shapes,
-};
+use geose_fmap::network::Model;
+use geose_fmap::pipeline::match_shapes;
+use geose_fmap::{MatchOptions, Parts, PrepareOptions, PreparedShape, Progress, Refinement, Shape, Warning, Weights};
 
 use shapes::{body, prepared, soup, torus, turn};
 

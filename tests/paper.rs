@@ -9,6 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, AtomicUsize};
 
+use geose_fmap::device::{Cpu, Device, Mask};
+use geose_fmap::maps::FunctionalMap;
+use geose_fmap::network::{Encoding, Model, ModelConfig, Network, Norm, Solver, Source, Start, WeightsError};
+use geose_fmap::pipeline::{match_with, prepare_with};
 use geose_fmap::train::bodies::BodyModel;
 use geose_fmap::train::bodies::parts::{PARTS, people};
 use geose_fmap::train::device::matrix;
@@ -19,10 +23,7 @@ use geose_fmap::train::pool::{Maker, Pool, SampleConfig, Stand};
 use geose_fmap::train::run::{RunConfig, train};
 use geose_fmap::train::sample::Sample;
 use geose_fmap::train::step::{embed, embed_together};
-use geose_fmap::{
-    Cpu, Device, Encoding, FunctionalMap, Mask, MatchOptions, Model, ModelConfig, Network, Norm, Parts, PrepareOptions,
-    Progress, Refinement, Shape, Solver, Source, Start, Weights, WeightsError, match_with, prepare_with,
-};
+use geose_fmap::{MatchOptions, Parts, PrepareOptions, Progress, Refinement, Shape, Weights};
 use ndarray::{Array2, Axis, array, s};
 use pollster::block_on;
 use rand::SeedableRng;

@@ -24,10 +24,12 @@ use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
+use geose_fmap::network::Model;
+use geose_fmap::pipeline::{BlockError, ShapeKind, match_shapes, prepare};
+use geose_fmap::uses::{EdgeDistances, mean_error};
 use geose_fmap::{
-    BlockError, Correspondence, EdgeDistances, Error, FaceUse, LaplacianKind, Match, MatchOptions, Model, Parts,
-    PrepareOptions, PreparedShape, Progress, Refinement, Shape, ShapeKind, Stage, UNMATCHED, match_shapes, mean_error,
-    prepare, read,
+    Correspondence, Error, FaceUse, LaplacianKind, Match, MatchOptions, Parts, PrepareOptions, PreparedShape, Progress,
+    Refinement, Shape, Stage, UNMATCHED, read,
 };
 use safetensors::SafeTensors;
 use shapes::{

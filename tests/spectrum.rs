@@ -6,7 +6,8 @@ mod shapes;
 
 use std::f64::consts::{PI, TAU};
 
-use geose_fmap::{LaplacianKind, Progress, SpectralBasis, SpectrumError, SpectrumReport, Stage, spectrum};
+use geose_fmap::spectrum::{SpectralBasis, SpectrumError, SpectrumReport, spectrum};
+use geose_fmap::{LaplacianKind, Progress, Stage};
 use shapes::{Random, blob, body, dense, fibonacci_sphere, icosphere, laplacian, sheet};
 use sprs::{CsMat, TriMat};
 

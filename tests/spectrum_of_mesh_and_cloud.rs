@@ -6,7 +6,8 @@ mod shapes;
 
 use std::f64::consts::PI;
 
-use geose_fmap::{LaplacianKind, Progress, Shape, spectrum};
+use geose_fmap::spectrum::spectrum;
+use geose_fmap::{LaplacianKind, Progress, Shape};
 use shapes::{BODIES, body, farthest, laplacian};
 
 /// Eigenvalues compared, the zero among them.

@@ -6,13 +6,15 @@ mod shapes;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use geose_fmap::network::{Model, ModelConfig};
+use geose_fmap::pipeline::prepare;
 use geose_fmap::train::atlas::Atlas;
 use geose_fmap::train::folds::{Fold, cross_validate};
 use geose_fmap::train::losses::LossWeights;
 use geose_fmap::train::pool::{Pool, SampleConfig};
 use geose_fmap::train::run::{RunConfig, RunError, train};
 use geose_fmap::train::sample::Sample;
-use geose_fmap::{LaplacianKind, Model, ModelConfig, PrepareOptions, Progress, Shape, Weights, prepare};
+use geose_fmap::{LaplacianKind, PrepareOptions, Progress, Shape, Weights};
 use ndarray::Axis;
 use shapes::{Random, Soup, body};
 
@@ -164,7 +166,7 @@ fn the_loader_knows_parts_and_no_vertices() {
     // Eigenfunctions up to their sign.
     let squares = |m: &ndarray::Array2<f32>| m.mapv(|v| v * v);
     same("phi", &squares(&mixed.phi), &squares(&plain.phi));
-    let slopes = |s: &geose_fmap::ShapeInputs| squares(&s.gradients[0]) + squares(&s.gradients[1]);
+    let slopes = |s: &geose_fmap::network::ShapeInputs| squares(&s.gradients[0]) + squares(&s.gradients[1]);
     let (a, b) = (slopes(mixed), slopes(plain));
     let largest = b.iter().fold(0.0f32, |most, v| most.max(*v));
     same("gradients", &(a / largest), &(b / largest));

@@ -5,8 +5,11 @@ mod shapes;
 
 use std::f64::consts::PI;
 
+use geose_fmap::device::{Cpu, Device};
+use geose_fmap::pipeline::match_shapes;
+use geose_fmap::spectrum::spectrum;
 use geose_fmap::wasm::{self, RawShape};
-use geose_fmap::{Cpu, Device, LaplacianKind, MatchOptions, PrepareOptions, Progress, match_shapes, read, spectrum};
+use geose_fmap::{LaplacianKind, MatchOptions, PrepareOptions, Progress, read};
 use js_sys::{Array, Float32Array, Float64Array, Function, JSON, Reflect, Uint32Array};
 use ndarray::Array2;
 use shapes::{Random, blob, distance, fibonacci_sphere, icosphere, laplacian, prepared, turn};

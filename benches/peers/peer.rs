@@ -4,7 +4,9 @@
 use std::io::BufRead;
 use std::time::Instant;
 
-use geose_fmap::{LaplacianKind, Progress, Shape, laplacian, spectrum};
+use geose_fmap::operators::laplacian;
+use geose_fmap::spectrum::spectrum;
+use geose_fmap::{LaplacianKind, Progress, Shape};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for path in std::io::stdin().lock().lines() {

@@ -9,8 +9,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
+use geose_fmap::Weights;
+use geose_fmap::network::Model;
 use geose_fmap::train::refit;
-use geose_fmap::{Model, Weights};
 
 #[derive(Parser)]
 #[command(about = "Fits the constants of confidence to a set of bodies")]

@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::{fs, thread};
 
 use clap::Parser;
+use geose_fmap::network::{Model, ModelConfig};
 use geose_fmap::train::atlas::Atlas;
 use geose_fmap::train::bodies::BodyModel;
 use geose_fmap::train::bodies::pose::Pose;
@@ -23,7 +24,7 @@ use geose_fmap::train::labelled::LabelledScans;
 use geose_fmap::train::losses::LossWeights;
 use geose_fmap::train::pool::{ATLAS_POINTS, Maker, MakesSamples, Pool, SampleConfig};
 use geose_fmap::train::run::{RunConfig, train};
-use geose_fmap::{LaplacianKind, Model, ModelConfig, Weights};
+use geose_fmap::{LaplacianKind, Weights};
 
 #[derive(Parser)]
 #[command(about = "Trains the network on synthetic bodies, or on labelled scans of one's own")]

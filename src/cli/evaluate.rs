@@ -5,7 +5,8 @@ use std::path::Path;
 use super::map_file::check_folder;
 use super::{Failure, PathBuf, Preparing, Running, parse, write};
 use crate::evaluate::{Mode, Rotate, Task, evaluate};
-use crate::{Parts, Refinement};
+use crate::pipeline::Parts;
+use crate::registration::Refinement;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {

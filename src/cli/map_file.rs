@@ -7,8 +7,11 @@ use serde::Serialize;
 
 use super::colour::correspondence_colours;
 use super::{Failure, write};
+use crate::maps::UNMATCHED;
+use crate::network::WeightsId;
+use crate::pipeline::{DeviceKind, ShapeKind};
+use crate::pipeline::{Match, MatchOptions, PrepareOptions, PreparedShape, Warning};
 use crate::write::{Body, LinearRgb, glb, ply};
-use crate::{DeviceKind, Match, MatchOptions, PrepareOptions, PreparedShape, ShapeKind, UNMATCHED, Warning, WeightsId};
 
 /// Says before the work that the folder of `file` is none.
 pub(super) fn check_folder(file: &Path) -> Result<(), Failure> {

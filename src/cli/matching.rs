@@ -2,7 +2,10 @@
 
 use super::map_file::{MapFile, Outcome};
 use super::{Failure, PathBuf, Preparing, Running, parse, prepare_scan};
-use crate::{MatchOptions, Parts, Progress, Refinement, Stage, UNMATCHED};
+use crate::maps::UNMATCHED;
+use crate::pipeline::{MatchOptions, Parts};
+use crate::progress::{Progress, Stage};
+use crate::registration::Refinement;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {

@@ -13,10 +13,14 @@ use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::{
-    Axis, DeviceChoice, LaplacianKind, Model, OptionError, PrepareOptions, PreparedShape, Processor, Progress, Shape,
-    Stage, Weights, read,
-};
+use crate::network::Model;
+use crate::network::Weights;
+use crate::operators::LaplacianKind;
+use crate::pipeline::{DeviceChoice, OptionError, Processor};
+use crate::pipeline::{PrepareOptions, PreparedShape};
+use crate::progress::{Progress, Stage};
+use crate::read::read;
+use crate::shape::{Axis, Shape};
 
 /// Which point of one deformable 3D scan is which point of the other.
 #[derive(Parser)]

@@ -16,7 +16,7 @@ const PARTS: f32 = 0.5;
 
 /// Out-of-distribution scores of a pair, by what a network makes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OutOfDistribution {
+pub(crate) struct OutOfDistribution {
     /// ‖C_ab C_ba − I‖²/k, mean of both ways round: what the maps there and back leave of functions. Two people give 0.02 to 0.1, whatever their poses;
     /// pairs of animals, a person and an animal, and furniture 0.3 and more (by weights that know people; measured on bodies of the generator's held-out seeds,
     /// on the CC0 quadrupeds and on a sphere, torus, chair, car and noise).
@@ -48,7 +48,7 @@ impl OutOfDistribution {
 }
 
 /// What the network makes of a pair.
-pub struct Learned<T> {
+pub(crate) struct Learned<T> {
     /// The first maps, of as many eigenfunctions as in training.
     pub maps: MapPair,
     /// How far they can be trusted.
@@ -58,7 +58,7 @@ pub struct Learned<T> {
 }
 
 /// The first maps. `masks` are probabilities of parts (p, c) that attention masks with; `known` (k, l) are coefficients of functions known to correspond.
-pub async fn learned_maps<D: Device>(
+pub(crate) async fn learned_maps<D: Device>(
     device: &D,
     trained: &TrainedNetwork<D::Tensor>,
     [(a, of_a), (b, of_b)]: [(&Matchable, &PointEmbedding); 2],

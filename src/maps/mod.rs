@@ -16,7 +16,7 @@ pub use functional_map::FunctionalMap;
 pub use functional_map::functional_maps;
 pub(crate) use functional_map::smoothed;
 pub use known_functions::{landmark_functions, part_functions};
-pub use learned::{OutOfDistribution, learned_maps};
+pub(crate) use learned::{OutOfDistribution, learned_maps};
 pub use matchable::{LearnedCues, Matchable};
 pub use point_map::MapPair;
 pub(crate) use point_map::{Beside, joint_nearest, maps_of_match};

@@ -29,7 +29,7 @@ struct Draft {
 }
 
 /// The triangles of an OFF in the order of its file, also those that a shape leaves out: ground truth may name faces by number.
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(all(feature = "cli", not(target_arch = "wasm32")))]
 pub(crate) fn faces_as_written(off: &[u8]) -> Result<Vec<[u32; 3]>, ReadError> {
     Ok(off::read(off)?.faces)
 }

@@ -30,7 +30,7 @@ const POSITION_WEIGHT: f64 = 2.0;
 /// The 24 ways to lay the principal axes of B onto those of A are each tried with a small map; the one whose map is most nearly a rotation of
 /// the whole body wins, and the rotation it implies sets the frame for the real solve. Everything depends on relative positions only, so
 /// turning, moving or scaling a body changes nothing. `known` (k, l) are coefficients of functions known to correspond, `constraints` points and parts.
-pub async fn initial_maps<D: Device>(
+pub(crate) async fn initial_maps<D: Device>(
     device: &D,
     a: &Matchable,
     b: &Matchable,

@@ -10,7 +10,8 @@ mod refine;
 
 pub(crate) use alignment::{Rotation, best_rotation_and_certainty, turned};
 pub(crate) use chirality::{INSIDE_OUT, chirality_of_match};
-pub use initial::initial_maps;
-pub use landmarks::Constraints;
+pub(crate) use initial::initial_maps;
+pub(crate) use landmarks::Constraints;
 pub(crate) use landmarks::{AWAY, distinct, sampled_at};
-pub use refine::{COARSE, Refined, Refinement, refine};
+pub use refine::Refinement;
+pub(crate) use refine::{COARSE, Refined, refine};

@@ -170,7 +170,7 @@ fn known<T>([a, b]: &[Side<T>; 2], weight: f32) -> Beside<'_, T> {
 }
 
 /// A refined match.
-pub struct Refined {
+pub(crate) struct Refined {
     /// For each point used of A its point on B.
     pub a_to_b: Correspondence,
     /// For each point used of B its point on A.
@@ -187,7 +187,7 @@ pub struct Refined {
 /// count beside positions in √area: point features of a network, probabilities of parts. Labels keep points in their part (paper Sec. 3.3, at the level of the map).
 /// Landmarks are matched to each other in every round and draw along what lies around them; whether the map has followed is left to be seen in its last match. First
 /// maps that are asked for as they are know nothing of landmarks here. Returns the correspondences A → B and B → A, and the maps they came from.
-pub async fn refine<D: Device>(
+pub(crate) async fn refine<D: Device>(
     device: &D,
     (a, b): (&Matchable, &Matchable),
     first: MapPair,

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
-use geose_fmap::{LaplacianKind, PrepareOptions, PreparedShape, Progress, Shape, prepare, read};
+use geose_fmap::pipeline::prepare;
+use geose_fmap::{LaplacianKind, PrepareOptions, PreparedShape, Progress, Shape, read};
 
 /// Points and triangles; no triangles for a cloud.
 #[derive(Clone, Debug)]
@@ -265,8 +266,8 @@ pub fn soup(shape: &Shape) -> Soup {
     Soup { points: shape.points().to_vec(), faces: shape.faces().to_vec() }
 }
 
-pub fn laplacian(shape: &Shape, kind: LaplacianKind) -> geose_fmap::Laplacian {
-    geose_fmap::laplacian(shape, kind, &mut Progress::silent()).expect("a Laplacian")
+pub fn laplacian(shape: &Shape, kind: LaplacianKind) -> geose_fmap::operators::Laplacian {
+    geose_fmap::operators::laplacian(shape, kind, &mut Progress::silent()).expect("a Laplacian")
 }
 
 pub fn prepared(shape: Shape, options: &PrepareOptions) -> PreparedShape {
