@@ -99,7 +99,7 @@ fn people_are_matched_as_on_the_cpu() {
     agrees(&model, "clouds", [&striding, &man], FaceUse::Ignore, &by_index, &[Refinement::Best]);
     let cloud = woman.without_faces();
     agrees(&model, "cloud and mesh", [&cloud, &striding], FaceUse::Use, &by_index, &[Refinement::Best]);
-    assert_eq!(geose_fmap::Device::failure(model.device()), None);
+    assert_eq!(geose_fmap::device::Device::failure(model.device()), None);
 }
 
 #[test]
@@ -206,5 +206,5 @@ fn twenty_matches_take_the_memory_of_the_second() {
             assert_eq!(Some(size), second, "round {round}");
         }
     }
-    assert_eq!(geose_fmap::Device::failure(model.device()), None);
+    assert_eq!(geose_fmap::device::Device::failure(model.device()), None);
 }
