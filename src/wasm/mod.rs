@@ -49,7 +49,7 @@ impl RawShape {
 #[wasm_bindgen]
 pub fn read_file(bytes: &[u8], name: Option<String>, format: Option<String>) -> Result<RawShape, JsValue> {
     let format: Option<Format> = format.map(|f| f.parse()).transpose().map_err(|e| throw(Error::Read(e)))?;
-    RawShape::timed(name.clone(), || crate::read::read(bytes, name.as_deref(), format))
+    RawShape::timed(name.clone(), || Ok(crate::read::read(bytes, name.as_deref(), format)?))
 }
 
 /// A scan from arrays: positions (3n), faces (3m), labels (n).
