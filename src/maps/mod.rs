@@ -11,8 +11,10 @@ mod matchable;
 mod point_map;
 
 pub use correspondence::{Correspondence, UNMATCHED};
+pub use functional_map::FunctionalMap;
+#[cfg(feature = "train")]
+pub use functional_map::functional_maps;
 pub(crate) use functional_map::smoothed;
-pub use functional_map::{FunctionalMap, functional_maps};
 pub use known_functions::{landmark_functions, part_functions};
 pub use learned::{OutOfDistribution, learned_maps};
 pub use matchable::Matchable;
