@@ -93,6 +93,36 @@ fn matrices_without_rows_or_columns_give_such_matrices() {
 }
 
 #[test]
+fn a_hard_mask_shows_nothing_of_other_parts() {
+    let gpu = gpu();
+    let one_hot = |rows: usize, of: fn(usize) -> usize| {
+        Array2::from_shape_fn((rows, 3), |(i, part)| f32::from(u8::from(of(i) == part)))
+    };
+    let (query, key) = (wavy(70, 5, 0.0), wavy(90, 5, 0.5));
+    // No key is of part 2, and every second is of part 1.
+    let (of_query, of_key) = (one_hot(70, |i| i % 3), one_hot(90, |i| i % 2));
+    let attend = |value: &Array2<f32>| {
+        let up = |matrix: &Array2<f32>| gpu.upload(matrix.view());
+        let seen = gpu.attend((&up(&query), &up(&of_query)), (&up(&key), &up(&of_key)), &up(value), Mask::Hard);
+        let found = block_on(gpu.download(&seen));
+        let expected = Cpu.attend((&query, &of_query), (&key, &of_key), value, Mask::Hard);
+        assert!((&found - &expected).iter().all(|d| d.abs() < 1e-5 * value.iter().fold(0.0, |m, v| v.abs().max(m))));
+        found
+    };
+    let value = wavy(90, 4, 0.9);
+    let mut poisoned = value.clone();
+    (1..90).step_by(2).for_each(|i| poisoned.row_mut(i).fill(1e30));
+    let (seen, still) = (attend(&value), attend(&poisoned));
+    for i in 0..70 {
+        match i % 3 {
+            0 => assert_eq!(seen.row(i), still.row(i), "row {i} sees part 0 alone"),
+            1 => assert_ne!(seen.row(i), still.row(i), "row {i} sees part 1"),
+            _ => assert_eq!(seen.row(i), Array2::<f32>::zeros((1, 4)).row(0), "row {i} sees nothing"),
+        }
+    }
+}
+
+#[test]
 fn of_equal_neighbours_the_first_is_found() {
     let gpu = gpu();
     let same = Array2::from_elem((200, 5), 0.3);
