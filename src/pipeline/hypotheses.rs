@@ -9,7 +9,7 @@ use crate::device::{Cpu, Device, Interrupted};
 use crate::maps::{Correspondence, Matchable, OutOfDistribution, learned_maps};
 use crate::network::{Model, PointEmbedding};
 use crate::progress::{Progress, Stage};
-use crate::registration::{AWAY, Constraints, Refined, Refinement, chirality_of_match, initial_maps, refine};
+use crate::registration::{AWAY, Constraints, Refined, Refinement, initial_maps, refine};
 
 /// What a match starts from. It stays with the CPU, so that whatever becomes of a device nothing is lost.
 pub(super) struct Pair<'a> {
@@ -27,8 +27,6 @@ pub(super) struct BestMaps {
     pub(super) weights: serde_json::Value,
     /// Whether landmarks contradict the network's map, so that one made without it was tried as well.
     pub(super) contradicted: bool,
-    /// From −1 to 1: below 0 the map turns the surface inside out.
-    pub(super) chirality: f64,
 }
 
 /// The part of a match that runs on the device: first maps, as many as there are hypotheses, each refined, and the best of them.
@@ -92,14 +90,13 @@ pub(super) async fn best_maps<D: Device>(
     }
     let (_, refined, index) = best.expect("a pair without the network's map has the other");
     let ([side_a, side_b], first, extra, weights) = candidates.swap_remove(index);
-    let chirality = chirality_of_match([side_a, side_b], &refined.a_to_b.target);
     let raw = if options.raw {
         let (unheard, extra) = (&mut Progress::silent(), extra.as_ref());
         Some(refine(device, (side_a, side_b), first, extra, constraints, Refinement::None, unheard).await?.a_to_b)
     } else {
         None
     };
-    Ok(BestMaps { refined, raw, out_of_distribution, weights, contradicted, chirality })
+    Ok(BestMaps { refined, raw, out_of_distribution, weights, contradicted })
 }
 
 /// Probabilities of parts (p, c) on both sides that attention masks with: predicted, given labels as ones and noughts, or one part for all.

@@ -15,7 +15,7 @@ use crate::lifting::lift;
 use crate::maps::{Correspondence, FunctionalMap, Matchable};
 use crate::network::Model;
 use crate::progress::{Progress, Stage};
-use crate::registration::{Constraints, INSIDE_OUT, Refined, sampled_at};
+use crate::registration::{Constraints, Refined, sampled_at};
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
@@ -116,7 +116,7 @@ pub(crate) async fn match_with_cues<D: Device>(
         }
         best => (best, None),
     };
-    let BestMaps { refined, raw, out_of_distribution, weights, contradicted: by_landmarks, chirality } = match best {
+    let BestMaps { refined, raw, out_of_distribution, weights, contradicted: by_landmarks } = match best {
         Ok(best) => best,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
         Err(Interrupted::NotFinite(stage)) => {
@@ -132,7 +132,6 @@ pub(crate) async fn match_with_cues<D: Device>(
         Some(at_home) if by_landmarks && without && !at_home.is_of_others() => Some(BY_LANDMARKS.to_owned()),
         at_home => at_home.and_then(|at_home| verdict(at_home, without)),
     });
-    warnings.extend((chirality < INSIDE_OUT).then(|| MIRRORED.to_owned()));
     let predicted = match (&a.embedding, &b.embedding, out_of_distribution) {
         (Some(of_a), Some(of_b), Some(at_home)) if !at_home.is_of_others() => Some([&of_a.parts, &of_b.parts]),
         _ => None,
@@ -172,10 +171,6 @@ pub(crate) async fn match_with_cues<D: Device>(
 /// Why the network's map was not taken.
 const BY_LANDMARKS: &str =
     "unsure: the landmarks contradict the network's map; one made without it agrees with them better and was taken";
-
-/// Of a map that keeps lengths and exchanges left and right.
-const MIRRORED: &str =
-    "the map turns the surface inside out: one of the scans seems to be mirrored, or left and right are exchanged";
 
 /// C of bases whose masses sum to 1 as C of the bases that users hold.
 fn in_uploaded_units(map: Array2<f64>, from: &PreparedShape, to: &PreparedShape) -> Array2<f64> {
