@@ -9,7 +9,7 @@ use crate::device::{Cpu, Device, Interrupted};
 use crate::maps::{Correspondence, LearnedCues, MapPair, Matchable, OutOfDistribution, learned_maps};
 use crate::network::{Model, PointEmbedding};
 use crate::progress::{Progress, Stage};
-use crate::registration::{AWAY, Constraints, Refined, Refinement, chirality_of_match, initial_maps, refine};
+use crate::registration::{AWAY, Constraints, Refined, Refinement, initial_maps, refine};
 
 /// What a match starts from. It stays with the CPU, so that whatever becomes of a device nothing is lost.
 pub(super) struct Pair<'a> {
@@ -29,8 +29,6 @@ pub(super) struct BestMaps<'a> {
     pub(super) by_network: bool,
     /// Whether landmarks contradict the network's map, so that one made without it was tried as well.
     pub(super) contradicted: bool,
-    /// From −1 to 1: below 0 the map turns the surface inside out.
-    pub(super) chirality: f64,
 }
 
 /// A network's view of a pair.
@@ -100,14 +98,13 @@ pub(super) async fn best_maps<'a, D: Device>(
     let (_, refined, index) = best.expect("a pair without the network's map has the other");
     let Start { sides: [side_a, side_b], maps, extra } = starts.swap_remove(index);
     let by_network = extra.is_some();
-    let chirality = chirality_of_match([&side_a, &side_b], &refined.a_to_b.target);
     let raw = if options.raw {
         let (unheard, extra) = (&mut Progress::silent(), extra.as_ref());
         Some(refine(device, (&side_a, &side_b), maps, extra, constraints, Refinement::None, unheard).await?.a_to_b)
     } else {
         None
     };
-    Ok(BestMaps { refined, raw, home, by_network, contradicted, chirality })
+    Ok(BestMaps { refined, raw, home, by_network, contradicted })
 }
 
 /// The maps of the network that is most at home with a pair, of those that looked at both shapes.

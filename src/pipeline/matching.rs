@@ -7,9 +7,7 @@ use ndarray::Array2;
 use super::given::{labels_used, landmark_rows, landmarks, parts_in_common, shared_labels, side_by_side};
 use super::hypotheses::{BestMaps, Pair, best_maps};
 use super::thinned::MATCHED;
-use super::warnings::{
-    Warning, contradicted, inside_out, labelled_otherwise, of_map, of_shapes, verdict, without_network,
-};
+use super::warnings::{Warning, contradicted, labelled_otherwise, of_map, of_shapes, verdict, without_network};
 use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
 use crate::confidence::{Cues, stretch};
 use crate::device::{Device, Fallback, Interrupted};
@@ -17,7 +15,7 @@ use crate::lifting::lift;
 use crate::maps::{Correspondence, FunctionalMap};
 use crate::network::{Model, PointEmbedding, WeightsId};
 use crate::progress::{Progress, Stage};
-use crate::registration::{Constraints, INSIDE_OUT, Refined, sampled_at};
+use crate::registration::{Constraints, Refined, sampled_at};
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
@@ -118,7 +116,7 @@ pub(crate) async fn match_with_cues<D: Device>(
         }
         best => (best, None),
     };
-    let BestMaps { refined, raw, home, by_network, contradicted: by_landmarks, chirality } = match best {
+    let BestMaps { refined, raw, home, by_network, contradicted: by_landmarks } = match best {
         Ok(best) => best,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
         Err(Interrupted::NotFinite(stage)) => {
@@ -130,7 +128,6 @@ pub(crate) async fn match_with_cues<D: Device>(
     let untrained = home.is_none().then(without_network);
     let mut warnings: Vec<Warning> = untrained.into_iter().chain(of_shapes(a, b)).collect();
     warnings.extend(home.as_ref().and_then(|home| verdict(home, !by_network, by_landmarks)));
-    warnings.extend((chirality < INSIDE_OUT).then(inside_out));
     let predicted = home.as_ref().filter(|home| !home.scores.is_of_others()).map(|home| home.embeddings);
     warnings
         .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));

@@ -54,13 +54,6 @@ pub(crate) fn of_shapes(a: &PreparedShape, b: &PreparedShape) -> Vec<Warning> {
     warnings
 }
 
-/// Of a map that keeps lengths and exchanges left and right.
-pub(crate) fn inside_out() -> Warning {
-    let message =
-        "the map turns the surface inside out: one of the scans seems to be mirrored, or left and right are exchanged";
-    Warning::new("inside-out", message)
-}
-
 /// When the pair is unlike those the network was trained on; `without` says that another map than the network's was taken, `by_landmarks` that these spoke
 /// against it.
 pub(crate) fn verdict(home: &Home, without: bool, by_landmarks: bool) -> Option<Warning> {

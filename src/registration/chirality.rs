@@ -4,37 +4,14 @@
 //! from outside, going round a point must go round its image in the same sense.
 
 use faer::{Mat, Side};
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::{Array2, ArrayView2};
 
-use crate::maps::{Matchable, smoothed};
 use crate::vector::{cross, dot};
 
 /// Neighbourhood that a tangent plane is fitted to, in √area: half a forearm's width.
 const NEAR: f64 = 0.06;
 /// Neighbourhood whose centre of mass lies inside the body.
 const WIDE: f64 = 0.12;
-
-/// Points that a match is judged on.
-const JUDGES: usize = 600;
-/// Eigenfunctions that it is smoothed by first: single points may lie in any order.
-const SMOOTH: usize = 50;
-/// A match below this turns the surface inside out.
-pub(crate) const INSIDE_OUT: f64 = -0.5;
-
-/// The chirality of a match: `to_b` are rows of B for those of A. By the normals of faces, or of clouds by where the body lies.
-pub(crate) fn chirality_of_match([a, b]: [&Matchable; 2], to_b: &[u32]) -> f64 {
-    let rows = &a.coarse[..JUDGES.min(a.coarse.len())];
-    let at = |shape: &Matchable, rows: &[u32]| {
-        shape.points.select(Axis(0), &rows.iter().map(|&row| row as usize).collect::<Vec<usize>>())
-    };
-    let found: Vec<u32> = rows.iter().map(|&row| to_b[row as usize]).collect();
-    let normals = |shape: &Matchable, rows: &[u32]| match a.surface.oriented && b.surface.oriented {
-        true => Array2::from_shape_fn((rows.len(), 3), |(i, c)| shape.surface.normals[rows[i] as usize][c]),
-        false => outward_normals(at(shape, &shape.coarse).view(), at(shape, rows).view()),
-    };
-    let images = smoothed(a.phi_at(rows, SMOOTH.min(a.basis.k())).view(), at(b, &found).view());
-    chirality(at(a, rows).view(), normals(a, rows).view(), images.view(), normals(b, &found).view())
-}
 
 /// Unit normals (rows, 3) that point away from the middle of their neighbourhood, at `rows` of `points` (n, 3), both centred and at unit area.
 /// Right on nearly all of a body; good for a vote, not for each single point.

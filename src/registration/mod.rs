@@ -9,7 +9,6 @@ mod landmarks;
 mod refine;
 
 pub(crate) use alignment::{Rotation, best_rotation_and_certainty, turned};
-pub(crate) use chirality::{INSIDE_OUT, chirality_of_match};
 pub(crate) use initial::initial_maps;
 pub(crate) use landmarks::Constraints;
 pub(crate) use landmarks::{AWAY, distinct, sampled_at};
