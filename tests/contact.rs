@@ -82,6 +82,10 @@ fn a_hand_on_the_hip_stays_a_hand() {
     println!("{edges} edges told apart, {before} where nothing touches");
     assert!(edges > 4 * before.max(30));
     assert_eq!(told(&joined), None, "an operator asked for by name is that operator");
+    let part_aware = PrepareOptions { part_aware_gradients: true, ..PrepareOptions::default() };
+    let aware = prepared(contact.clone(), &part_aware);
+    assert_eq!(aware.basis.eigenvectors, apart.basis.eigenvectors, "the switch is about gradients alone");
+    assert_ne!(aware.embeddings[0].parts, apart.embeddings[0].parts);
     let hand = part("left hand");
     let errors = [&apart, &joined].map(|shape| {
         let found = match_shapes(shape, &target, &MatchOptions::default(), &mut Progress::silent()).expect("matched");

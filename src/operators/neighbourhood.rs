@@ -73,6 +73,11 @@ impl Neighbourhood {
         self.refined.get_or_init(|| refine(self.neighbours(), &self.refinement))
     }
 
+    /// Unit normals (n, 3) of the surfaces through the points, of either sign.
+    pub fn normals(&self) -> Vec<[f64; 3]> {
+        self.quadrics().normals()
+    }
+
     /// The surface through each point.
     pub(crate) fn quadrics(&self) -> &Quadrics {
         self.quadrics.get_or_init(|| Quadrics::fit(&self.points, self.neighbours()))

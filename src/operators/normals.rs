@@ -16,14 +16,14 @@ pub(super) const LEAST_AREA: f64 = 1e-8;
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Unit normals (n, 3). Of a mesh they point to the side from which its faces run counter-clockwise, which is out where
-/// the scan is wound as usual; of a cloud either way, those of the surfaces that
-/// [`Quadrics`](super::Quadrics) fits, which follow one of two sheets that touch where principal components mix them. Where nothing is known (points without faces, points that only
-/// have copies of themselves around them), +z or any other direction.
+/// the scan is wound as usual; of a cloud either way: those of surfaces fitted to the neighbours, which follow
+/// one of two sheets that touch where principal components mix them. Where nothing is known (points without faces, points
+/// that only have copies of themselves around them), +z or any other direction.
 ///
 /// Of points in one place, all have the normal of the faces that meet there.
 pub fn normals(shape: &Shape) -> Vec<[f64; 3]> {
     if shape.faces().is_empty() {
-        return Neighbourhood::of(shape.points()).quadrics().normals();
+        return Neighbourhood::of(shape.points()).normals();
     }
     let at_first = mesh_normals(shape.points(), &shape.welded_faces());
     shape.first_at_place().into_iter().map(|first| at_first[first as usize]).collect()

@@ -75,7 +75,8 @@ pub async fn prepare_with<D: Device>(
                 prepared.repairs.extend(not_proved(&apart.report, &apart.basis));
                 prepared.info.residual = apart.report.residual;
                 (prepared.basis, prepared.features, prepared.surface) = (apart.basis, apart.features, apart.surface);
-                ask(model, &mut prepared, &carriers, Some(&meet), 0.8..0.9, progress).await?;
+                let filter = options.part_aware_gradients.then_some(&meet as EdgeFilter);
+                ask(model, &mut prepared, &carriers, filter, 0.8..0.9, progress).await?;
             }
             Err(Error::Cancelled(_)) => return Err(Cancelled { stage: Stage::Features }.into()),
             // The basis that knows no parts is there and good.
