@@ -4,10 +4,6 @@
 
 #[path = "pipeline/blocks.rs"]
 mod blocks;
-#[path = "pipeline/crumbs.rs"]
-mod crumbs;
-#[path = "pipeline/doubts.rs"]
-mod doubts;
 #[path = "pipeline/large_meshes.rs"]
 mod large_meshes;
 #[path = "pipeline/maps.rs"]
@@ -17,8 +13,12 @@ mod options;
 mod shapes;
 #[path = "pipeline/stages.rs"]
 mod stages;
+#[path = "pipeline/strays.rs"]
+mod strays;
 #[path = "pipeline/uploads.rs"]
 mod uploads;
+#[path = "pipeline/warnings.rs"]
+mod warnings;
 
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;

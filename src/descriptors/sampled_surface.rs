@@ -68,7 +68,7 @@ impl SampledSurface {
         if shape.faces().is_empty() {
             cut_at_jumps(&mut adjacent, shape.points(), samples, basis);
         }
-        // No path leads to a sample from a copy of a point or a crumb.
+        // No path leads to a sample from a copy of a point or a stray piece.
         if cell.contains(&u32::MAX) {
             let in_space = nearest_samples(shape.points(), samples);
             cell.iter_mut().zip(in_space).filter(|(c, _)| **c == u32::MAX).for_each(|(c, near)| *c = near);

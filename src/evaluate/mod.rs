@@ -127,9 +127,9 @@ impl Trial<'_> {
     }
 }
 
-/// Measures. `told` hears a line now and then.
-pub fn evaluate(task: &Task, model: &Model, told: &(dyn Fn(&str) + Sync)) -> Result<Evaluation, EvaluationError> {
-    let (set, prepared, measured) = over_pairs(task, model, told, |trial| measure(task, model, trial))?;
+/// Measures. `log` is given a line now and then.
+pub fn evaluate(task: &Task, model: &Model, log: &(dyn Fn(&str) + Sync)) -> Result<Evaluation, EvaluationError> {
+    let (set, prepared, measured) = over_pairs(task, model, log, |trial| measure(task, model, trial))?;
     let mut ious = Vec::new();
     for (name, shape, _) in prepared.iter().filter(|_| task.parts() == Parts::Predicted) {
         ious.extend(part_iou(&set, name, shape)?);
@@ -144,7 +144,7 @@ type Timed = (String, PreparedShape, f64);
 fn over_pairs<R: Send>(
     task: &Task,
     model: &Model,
-    told: &(dyn Fn(&str) + Sync),
+    log: &(dyn Fn(&str) + Sync),
     each: impl Fn(&Trial) -> Result<R, EvaluationError> + Sync,
 ) -> Result<(DataSet, Vec<Timed>, Vec<R>), EvaluationError> {
     let set = DataSet::open(&task.dataset)?;
@@ -183,7 +183,7 @@ fn over_pairs<R: Send>(
 
     let started = AtomicUsize::new(0);
     let count = |what: &str, of: usize| {
-        told(&format!("{}/{of} {what}", started.fetch_add(1, Ordering::Relaxed) + 1));
+        log(&format!("{}/{of} {what}", started.fetch_add(1, Ordering::Relaxed) + 1));
     };
     let prepared = on_all_cores(&needed, |(name, faces)| {
         count(name, needed.len());

@@ -50,12 +50,12 @@ impl Points {
 }
 
 /// Matches pairs of the set in all modes, with and without refinement and the network. Returns the coefficients that explain best which points are right, as the
-/// source has them, and the weights with those of its own and the prior that belongs to them. `told` hears a line now and then.
+/// source has them, and the weights with those of its own and the prior that belongs to them. `log` is given a line now and then.
 pub fn refit(
     dataset: &Path,
     limit: Option<usize>,
     model: &Model,
-    told: &(dyn Fn(&str) + Sync),
+    log: &(dyn Fn(&str) + Sync),
 ) -> Result<(String, Weights), EvaluationError> {
     let mut points: BTreeMap<Situation, Points> = BTreeMap::new();
     for mode in [Mode::Mesh, Mode::Cloud, Mode::MeshCloud] {
@@ -72,7 +72,7 @@ pub fn refit(
             seed: 0,
             oracle: false,
         };
-        let (.., found) = over_pairs(&task, model, told, |trial| {
+        let (.., found) = over_pairs(&task, model, log, |trial| {
             let line = trial.names.map(String::as_str).join(" ");
             let known = trial.shapes.map(PreparedShape::clone);
             let unknown = known.clone().map(|shape| PreparedShape { embeddings: Vec::new(), ..shape });

@@ -83,8 +83,8 @@ pub(crate) async fn learned_maps<D: Device>(
     let [c_ab, c_ba] = functional_maps(device, [&projected[0], &projected[1]], [&lambda[0], &lambda[1]], solve);
     // Side by side they come down together.
     let width = network.config.feature_columns();
-    let beside = device.concat(&[(&c_ab, 1.0), (&c_ba, 1.0), (&projected[0], 1.0), (&projected[1], 1.0)]);
-    let down = device.download(&beside).await.mapv(f64::from);
+    let together = device.concat(&[(&c_ab, 1.0), (&c_ba, 1.0), (&projected[0], 1.0), (&projected[1], 1.0)]);
+    let down = device.download(&together).await.mapv(f64::from);
     still_well(device, Stage::FunctionalMap)?;
     let columns = |from: usize, count: usize| down.slice(s![.., from..from + count]);
     // Judged by what the network says alone: what a user knows says nothing about it.

@@ -19,4 +19,4 @@ pub use known_functions::{landmark_functions, part_functions};
 pub(crate) use learned::{OutOfDistribution, learned_maps};
 pub use matchable::{LearnedCues, Matchable};
 pub use point_map::MapPair;
-pub(crate) use point_map::{Beside, joint_nearest, maps_of_match};
+pub(crate) use point_map::{SideColumns, joint_nearest, maps_of_match};

@@ -22,7 +22,7 @@ impl MapPair {
 }
 
 /// Columns of A and of B that stand beside the spectral ones.
-pub(crate) struct Beside<'t, T> {
+pub(crate) struct SideColumns<'t, T> {
     /// What else tells points apart, and how much that counts.
     pub(crate) extra: Option<([&'t T; 2], f32)>,
     /// How near points are to landmarks, and how much that counts.
@@ -31,7 +31,7 @@ pub(crate) struct Beside<'t, T> {
     pub(crate) registered: Option<[T; 2]>,
 }
 
-impl<'t, T> Beside<'t, T> {
+impl<'t, T> SideColumns<'t, T> {
     /// Spectral columns are all there is.
     pub(crate) fn nothing() -> Self {
         Self { extra: None, landmarks: None, registered: None }
@@ -51,13 +51,13 @@ pub(crate) fn joint_nearest<D: Device>(
     maps: &MapPair,
     [phi_a, phi_b]: [&D::Tensor; 2],
     spectral: f32,
-    beside: &Beside<D::Tensor>,
+    more: &SideColumns<D::Tensor>,
     parts: Option<(&[u32], &[u32])>,
 ) -> (D::Indices, D::Indices) {
     let single = |c: &Array2<f64>| device.upload(c.mapv(|v| v as f32).view());
     let weight = spectral / (maps.c_ab.nrows() as f32).sqrt();
     let embed = |of_a: &D::Tensor, of_b: &D::Tensor, side: usize| {
-        let columns: Vec<_> = [(of_a, weight), (of_b, weight)].into_iter().chain(beside.of(side)).collect();
+        let columns: Vec<_> = [(of_a, weight), (of_b, weight)].into_iter().chain(more.of(side)).collect();
         device.concat(&columns)
     };
     let (a_in_b, b_in_a) = (device.matmul(phi_a, &single(&maps.c_ba)), device.matmul(phi_b, &single(&maps.c_ab)));
@@ -75,8 +75,8 @@ pub(crate) async fn maps_of_match<D: Device>(
     };
     let ([gram_a, right_a], [gram_b, right_b]) = (normal(phi_a, phi_b, to_b), normal(phi_b, phi_a, to_a));
     // Side by side they come down together.
-    let beside = device.concat(&[(&gram_a, 1.0), (&right_a, 1.0), (&gram_b, 1.0), (&right_b, 1.0)]);
-    let systems = device.download(&beside).await;
+    let together = device.concat(&[(&gram_a, 1.0), (&right_a, 1.0), (&gram_b, 1.0), (&right_b, 1.0)]);
+    let systems = device.download(&together).await;
     let k = systems.nrows();
     let block = |i: usize| systems.slice(s![.., i * k..(i + 1) * k]);
     MapPair { c_ba: least_squares(block(0), block(1)), c_ab: least_squares(block(2), block(3)) }

@@ -63,8 +63,8 @@ pub(super) async fn best_maps<'a, D: Device>(
         && constraints.landmarks.len() > 1
         && !options.network_only
     {
-        let (first, unheard, as_is) = (maps.clone(), &mut Progress::silent(), Refinement::None);
-        let found = refine(device, (side_a, side_b), first, extra.as_ref(), constraints, as_is, unheard).await?;
+        let (first, silent, as_is) = (maps.clone(), &mut Progress::silent(), Refinement::None);
+        let found = refine(device, (side_a, side_b), first, extra.as_ref(), constraints, as_is, silent).await?;
         contradicted = found.residual > AWAY;
     }
     if contradicted || home.as_ref().is_none_or(|home| home.scores.is_of_others() && !options.network_only) {
@@ -99,8 +99,8 @@ pub(super) async fn best_maps<'a, D: Device>(
     let Start { sides: [side_a, side_b], maps, extra } = starts.swap_remove(index);
     let by_network = extra.is_some();
     let raw = if options.raw {
-        let (unheard, extra) = (&mut Progress::silent(), extra.as_ref());
-        Some(refine(device, (&side_a, &side_b), maps, extra, constraints, Refinement::None, unheard).await?.a_to_b)
+        let (silent, extra) = (&mut Progress::silent(), extra.as_ref());
+        Some(refine(device, (&side_a, &side_b), maps, extra, constraints, Refinement::None, silent).await?.a_to_b)
     } else {
         None
     };

@@ -77,10 +77,10 @@ pub(crate) async fn match_with_cues<D: Device>(
     options: &MatchOptions,
     progress: &mut Progress<'_>,
 ) -> Result<(Match, [Cues; 2]), Error> {
-    let mut heard = |_| progress.at(Stage::FunctionalMap, 0.0);
-    heard(0.0)?;
+    let mut report = |_| progress.at(Stage::FunctionalMap, 0.0);
+    report(0.0)?;
     check_weights(model, [a, b])?;
-    let (a, b) = (&*a.thinned(MATCHED, &mut heard)?, &*b.thinned(MATCHED, &mut heard)?);
+    let (a, b) = (&*a.thinned(MATCHED, &mut report)?, &*b.thinned(MATCHED, &mut report)?);
     let parts = match options.parts {
         Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
         Parts::Predicted | Parts::None => None,

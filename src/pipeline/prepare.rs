@@ -15,8 +15,8 @@ use crate::operators::{self, EdgeFilter, Laplacian, LaplacianKind, gradient_arou
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::registration::COARSE;
 use crate::shape::{
-    Axis, Crumbs, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, THIN_LIMIT, counted, farthest_points,
-    set_crumbs_aside, support,
+    Axis, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, Strays, THIN_LIMIT, counted, farthest_points,
+    set_strays_aside, support,
 };
 use crate::spectrum::{SpectralBasis, SpectrumReport, check_size};
 
@@ -187,14 +187,14 @@ pub(crate) fn prepare_with_carriers(
     let most = options.points.saturating_add(more).max(if on_mesh { MESH_LIMIT } else { 0 });
     check_size(surface.len().min(most), options.eigenpairs)?;
     let wanted = if check_size(surface.len().min(most), wanted).is_ok() { wanted } else { 0 };
-    let aside = set_crumbs_aside(&used_shape, &surface);
+    let aside = set_strays_aside(&used_shape, &surface);
     let unmatched = aside.unmatched();
-    let Crumbs { body: surface, crumbs, far, pieces: crumb_count, far_vertices } = aside;
-    repairs.extend(Repair::counted("crumbs-set-aside", crumbs.len(), || {
-        let bits = counted(crumb_count, "bit", "bits");
+    let Strays { body: surface, strays, far, pieces: stray_pieces, far_vertices } = aside;
+    repairs.extend(Repair::counted("crumbs-set-aside", strays.len(), || {
+        let bits = counted(stray_pieces, "bit", "bits");
         format!(
             "{} in {bits} apart from the body set aside; {} of them too far from it to be matched",
-            counted(crumbs.len(), "point", "points"),
+            counted(strays.len(), "point", "points"),
             far.len()
         )
     }));
@@ -212,12 +212,12 @@ pub(crate) fn prepare_with_carriers(
         repairs.push(Repair::noted("mesh-simplified", count, message));
     }
     let mut share: f64 = 0.0;
-    let mut heard = |done| {
+    let mut report = |done| {
         // Several samplings follow one another.
         share = share.max(0.9 * done);
         progress.at(Stage::Sample, share)
     };
-    let (mut support, mut operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut heard)?;
+    let (mut support, mut operator_shape, lost) = support(&used_shape, surface, options.points, on_mesh, &mut report)?;
     if operator_shape.points().len() < MIN_POINTS {
         return Err(ShapeError::TooFewPoints { found: operator_shape.points().len(), needed: MIN_POINTS }.into());
     }
@@ -229,7 +229,7 @@ pub(crate) fn prepare_with_carriers(
     support.unmatched = (!unmatched.is_empty()).then_some(unmatched);
     let used: Vec<[f64; 3]> =
         (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
-    let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut heard)?;
+    let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut report)?;
 
     let carriers = Carriers::new(operator_shape);
     let geometry = Geometry::of(&carriers, kind, None, (&support, &coarse), [options.eigenpairs, wanted], progress)?;

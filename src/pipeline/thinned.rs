@@ -17,7 +17,7 @@ impl PreparedShape {
     pub(crate) fn thinned(
         &self,
         most: usize,
-        heard: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
+        report: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
     ) -> Result<Cow<'_, Self>, Cancelled> {
         let p = self.points_used();
         if p <= most {
@@ -26,7 +26,7 @@ impl PreparedShape {
         let places: Vec<[f64; 3]> = (0..p).map(|row| self.shape.points()[self.support.uploaded(row)]).collect();
         let all: Vec<u32> = (0..p as u32).collect();
         // It begins with the sampling that refinement runs on.
-        let chosen = farthest_points(&places, &all, most, heard)?;
+        let chosen = farthest_points(&places, &all, most, report)?;
         let mut place = vec![0; p];
         chosen.iter().zip(0..).for_each(|(&row, new)| place[row as usize] = new);
         let coarse: Vec<u32> = self.coarse.iter().map(|&row| place[row as usize]).collect();

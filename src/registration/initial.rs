@@ -6,7 +6,7 @@ use super::alignment::{Rotation, axis_rotations, best_rotation, compose, inverse
 use super::chirality::{chirality, outward_normals};
 use super::landmarks::Constraints;
 use crate::device::Device;
-use crate::maps::{Beside, FunctionalMap, MapPair, Matchable, joint_nearest, maps_of_match, smoothed};
+use crate::maps::{FunctionalMap, MapPair, Matchable, SideColumns, joint_nearest, maps_of_match, smoothed};
 
 /// Points that candidate maps are judged on: enough to tell one limb from another.
 const TRIAL_POINTS: usize = 600;
@@ -155,10 +155,10 @@ impl<T> Trial<T> {
     async fn judge<D: Device<Tensor = T>>(&self, device: &D, mut maps: MapPair, k: usize, rounds: usize) -> Verdict {
         let [phi_a, phi_b] = [0, 1].map(|side| device.leading_columns(&self.on_device[side], k));
         let parts = self.parts.as_ref().map(|[of_a, of_b]| (&of_a[..], &of_b[..]));
-        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &Beside::nothing(), parts);
+        let mut there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &SideColumns::nothing(), parts);
         for _ in 0..rounds {
             maps = maps_of_match(device, [&phi_a, &phi_b], &there_and_back).await;
-            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &Beside::nothing(), parts);
+            there_and_back = joint_nearest(device, &maps, [&phi_a, &phi_b], 1.0, &SideColumns::nothing(), parts);
         }
         let to_b = wide(&device.download_indices(&there_and_back.0).await);
         let to_a = wide(&device.download_indices(&there_and_back.1).await);

@@ -11,7 +11,7 @@ use super::deformation::{Columns, Registration};
 use super::landmarks::{Constraints, doubt, nearness, residuals, samples};
 use crate::confidence::{Cues, confidence};
 use crate::device::{Device, Interrupted, still_well};
-use crate::maps::{Beside, Correspondence, MapPair, Matchable, joint_nearest, maps_of_match};
+use crate::maps::{Correspondence, MapPair, Matchable, SideColumns, joint_nearest, maps_of_match};
 use crate::progress::{Progress, Stage};
 
 /// How far a match is polished.
@@ -103,13 +103,13 @@ impl Schedule {
     }
 
     /// What A deformed onto B has in common with B, and A with B deformed onto A.
-    fn beside<'t, D: Device>(
+    fn side_columns<'t, D: Device>(
         &self,
         device: &D,
         sides: &'t [Side<D::Tensor>; 2],
         [a, b]: &[Columns; 2],
         round: usize,
-    ) -> Beside<'t, D::Tensor> {
+    ) -> SideColumns<'t, D::Tensor> {
         let (coordinates, normals) = (self.even(self.coordinates, round), self.even(self.normals, round));
         let weighed = |[x, y]: [&Array2<f32>; 2], [u, v]: [&Array2<f32>; 2]| {
             let columns = concatenate![Axis(1), x * coordinates, y * coordinates, u * normals, v * normals];
@@ -119,7 +119,7 @@ impl Schedule {
             weighed([&a.registered, &a.rest], [&a.turned, &a.normals]),
             weighed([&b.rest, &b.registered], [&b.normals, &b.turned]),
         ];
-        Beside { registered: Some(registered), ..known(sides, self.even(self.extra, round)) }
+        SideColumns { registered: Some(registered), ..known(sides, self.even(self.extra, round)) }
     }
 }
 
@@ -161,12 +161,12 @@ impl<T> Side<T> {
 }
 
 /// What is known of the points of both sides whatever the maps are.
-fn known<T>([a, b]: &[Side<T>; 2], weight: f32) -> Beside<'_, T> {
+fn known<T>([a, b]: &[Side<T>; 2], weight: f32) -> SideColumns<'_, T> {
     let both = a.extra.as_ref().zip(b.extra.as_ref());
     let extra = both.filter(|_| weight > 0.0).map(|(on_a, on_b)| ([on_a, on_b], weight));
     let landmarks = a.landmarks.as_ref().zip(b.landmarks.as_ref());
     let landmarks = landmarks.map(|(on_a, on_b)| ([on_a, on_b], LANDMARKS));
-    Beside { extra, landmarks, registered: None }
+    SideColumns { extra, landmarks, registered: None }
 }
 
 /// A refined match.
@@ -234,8 +234,8 @@ pub(crate) async fn refine<D: Device>(
                 if round + 1 == schedule.rounds {
                     break (maps, schedule.spectral(round), Some(registration));
                 }
-                let beside = schedule.beside(device, &coarse, &registration.coarse(), round);
-                there_and_back = nearest(device, &coarse, &maps, schedule.spectral(round), &beside);
+                let more = schedule.side_columns(device, &coarse, &registration.coarse(), round);
+                there_and_back = nearest(device, &coarse, &maps, schedule.spectral(round), &more);
                 hold(device, &mut there_and_back, &held).await;
                 round += 1;
             }
@@ -244,11 +244,11 @@ pub(crate) async fn refine<D: Device>(
 
     progress.at(Stage::Correspondence, 0.0)?;
     let registered = registered.map(|registration| registration.everywhere());
-    let beside = match &registered {
-        Some(columns) => schedule.beside(device, &full, columns, schedule.rounds - 1),
+    let more = match &registered {
+        Some(columns) => schedule.side_columns(device, &full, columns, schedule.rounds - 1),
         None => known(&full, 1.0),
     };
-    let (to_b, to_a) = nearest(device, &full, &maps, spectral, &beside);
+    let (to_b, to_a) = nearest(device, &full, &maps, spectral, &more);
     let (to_b, to_a) = (device.download_indices(&to_b).await, device.download_indices(&to_a).await);
     still_well(device, Stage::Correspondence)?;
     progress.at(Stage::Correspondence, 0.8)?;
@@ -282,8 +282,8 @@ async fn zoom_out<D: Device>(
     let mut k = smallest;
     while k < largest {
         progress.at(Stage::Refine, (k - smallest) as f64 / (largest - smallest) as f64)?;
-        let beside = Beside { extra: None, ..known(coarse, 0.0) };
-        let mut there_and_back = nearest(device, coarse, &maps, 1.0, &beside);
+        let more = SideColumns { extra: None, ..known(coarse, 0.0) };
+        let mut there_and_back = nearest(device, coarse, &maps, 1.0, &more);
         hold(device, &mut there_and_back, held).await;
         k = (k + STEP).min(largest);
         let phi = leading(device, coarse, k);
@@ -323,9 +323,9 @@ fn nearest<D: Device>(
     sides: &[Side<D::Tensor>; 2],
     maps: &MapPair,
     spectral: f32,
-    beside: &Beside<D::Tensor>,
+    more: &SideColumns<D::Tensor>,
 ) -> (D::Indices, D::Indices) {
     let [phi_a, phi_b] = leading(device, sides, maps.c_ab.nrows());
     let parts = sides[0].parts.as_deref().zip(sides[1].parts.as_deref());
-    joint_nearest(device, maps, [&phi_a, &phi_b], spectral, beside, parts)
+    joint_nearest(device, maps, [&phi_a, &phi_b], spectral, more, parts)
 }

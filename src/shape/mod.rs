@@ -1,7 +1,6 @@
 //! A scan, validated once: points, optional triangles, optional part labels.
 
 mod axis;
-mod crumbs;
 mod error;
 mod faces;
 mod orientation;
@@ -9,19 +8,20 @@ mod repair;
 mod sample;
 mod simplify;
 mod spread;
+mod strays;
 mod support;
 mod weld;
 
 use crate::vector::{cross, minus, norm};
 
 pub use axis::Axis;
-pub use crumbs::{Crumbs, set_crumbs_aside};
 pub use error::ShapeError;
 pub use repair::Repair;
 pub use sample::{farthest_points, nearest_samples};
 #[cfg(feature = "train")]
 pub use simplify::{Simplified, draw_together};
 pub use simplify::{THIN_LIMIT, cells, simplify};
+pub use strays::{Strays, set_strays_aside};
 pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;

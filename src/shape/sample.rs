@@ -9,7 +9,7 @@ use crate::vector::squared_distance;
 const BUCKET: usize = 64;
 
 /// `count` of the points `allowed`, each as far as possible from those before it (Gonzalez 1985), starting farthest from their centroid.
-/// A prefix of the result is itself such a sampling. Ties go to the lower index, so the same points give the same samples. `heard` is told the share that is
+/// A prefix of the result is itself such a sampling. Ties go to the lower index, so the same points give the same samples. `report` is given the share that is
 /// done and may stop it.
 ///
 /// Points lie in buckets with a box each, and a new sample only visits buckets that it may come nearer to than their farthest point is to the
@@ -18,7 +18,7 @@ pub fn farthest_points(
     points: &[[f64; 3]],
     allowed: &[u32],
     count: usize,
-    heard: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
+    report: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
 ) -> Result<Vec<u32>, Cancelled> {
     let count = count.min(allowed.len());
     let mut chosen = Vec::with_capacity(count);
@@ -48,7 +48,7 @@ pub fn farthest_points(
             return Ok(chosen);
         }
         if chosen.len() % 256 == 0 {
-            heard(chosen.len() as f64 / count as f64)?;
+            report(chosen.len() as f64 / count as f64)?;
         }
         for bucket in &mut buckets {
             if bucket.farthest.distance > bucket.squared_distance_to(position) || bucket.farthest.index == index {

@@ -29,14 +29,14 @@ pub fn simplify(
     shape: &Shape,
     allowed: &[u32],
     count: usize,
-    heard: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
+    report: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
 ) -> Result<(Simplified, usize), Cancelled> {
-    let Simplified { mut vertices, mut faces, mut cell } = draw_together(shape, allowed, count, heard)?;
+    let Simplified { mut vertices, mut faces, mut cell } = draw_together(shape, allowed, count, report)?;
     let thin = thin_cells(shape, &cell, &faces, vertices.len());
     if thin.contains(&true) {
         let within: Vec<u32> = allowed.iter().copied().filter(|&v| thin[cell[v as usize] as usize]).collect();
         // Cells around stay as they are, so with all of `within` whatever hung together by an edge hangs together by a triangle.
-        let own = farthest_points(shape.points(), &within, THIN_LIMIT, heard)?;
+        let own = farthest_points(shape.points(), &within, THIN_LIMIT, report)?;
         replace(shape, &mut vertices, &mut cell, &thin, own);
         faces = drawn(shape, &cell);
     }
@@ -59,9 +59,9 @@ pub fn draw_together(
     shape: &Shape,
     allowed: &[u32],
     count: usize,
-    heard: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
+    report: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
 ) -> Result<Simplified, Cancelled> {
-    let vertices = farthest_points(shape.points(), allowed, count, heard)?;
+    let vertices = farthest_points(shape.points(), allowed, count, report)?;
     let cell = cells(shape, &vertices);
     Ok(Simplified { faces: drawn(shape, &cell), vertices, cell })
 }

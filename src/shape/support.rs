@@ -56,21 +56,21 @@ pub fn support(
     surface: Vec<u32>,
     count: usize,
     on_mesh: bool,
-    heard: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
+    report: &mut dyn FnMut(f64) -> Result<(), Cancelled>,
 ) -> Result<(Support, Shape, usize), Cancelled> {
     // What was set aside joins nothing.
     let shape = &shape.with_faces_among(&surface);
     let whole = surface.len() <= count + count / 2;
     let (mut support, mut lost) = (Support::default(), 0);
     if !whole && !on_mesh {
-        let carriers = farthest_points(shape.points(), &surface, count, heard)?;
+        let carriers = farthest_points(shape.points(), &surface, count, report)?;
         let operator = shape.at(&carriers, Vec::new());
         support.carrier_of = Some(cells(shape, &carriers));
         support.carriers = Some(carriers);
         return Ok((support, operator, lost));
     }
     let operator = if surface.len() > MESH_LIMIT && on_mesh {
-        let (simplified, too_thin) = simplify(shape, &surface, SIMPLIFIED.max(count), heard)?;
+        let (simplified, too_thin) = simplify(shape, &surface, SIMPLIFIED.max(count), report)?;
         let operator = shape.at(&simplified.vertices, simplified.faces);
         (support.carriers, support.carrier_of) = (Some(simplified.vertices), Some(simplified.cell));
         lost = too_thin;
@@ -88,7 +88,7 @@ pub fn support(
     };
     if !whole {
         let all: Vec<u32> = (0..operator.points().len() as u32).collect();
-        let used = farthest_points(operator.points(), &all, count, heard)?;
+        let used = farthest_points(operator.points(), &all, count, report)?;
         support.used_of = Some(cells(&operator, &used));
         support.used = Some(used);
     }

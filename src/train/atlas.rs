@@ -20,8 +20,8 @@ pub struct Atlas {
 }
 
 fn prepared(teacher: &Model<Cpu>, labelled: Shape) -> Result<PreparedShape, Error> {
-    let (options, mut unheard) = (PrepareOptions::default(), Progress::silent());
-    pollster::block_on(prepare_with(teacher, labelled, None, &options, &mut unheard))
+    let (options, mut silent) = (PrepareOptions::default(), Progress::silent());
+    pollster::block_on(prepare_with(teacher, labelled, None, &options, &mut silent))
 }
 
 impl Atlas {
@@ -33,8 +33,8 @@ impl Atlas {
     /// For each point of a mesh with part labels its place on the atlas, in √area of the atlas.
     pub fn places(&self, labelled: Shape) -> Result<Vec<[f32; 3]>, Error> {
         let shape = prepared(&self.teacher, labelled)?;
-        let (options, mut unheard) = (MatchOptions { parts: Parts::Given, ..Default::default() }, Progress::silent());
-        let found = pollster::block_on(match_with(&self.teacher, &shape, &self.body, &options, &mut unheard))?;
+        let (options, mut silent) = (MatchOptions { parts: Parts::Given, ..Default::default() }, Progress::silent());
+        let found = pollster::block_on(match_with(&self.teacher, &shape, &self.body, &options, &mut silent))?;
         let (points, scale) = (self.body.shape.points(), self.body.info.scale);
         let place = |&on_atlas: &u32| points[on_atlas as usize].map(|x| (x / scale) as f32);
         Ok(found.a_to_b.target.iter().map(place).collect())

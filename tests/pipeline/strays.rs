@@ -18,7 +18,7 @@ fn crumbs_and_strays_are_set_aside_and_change_nothing_for_the_body() {
     cloud.points.extend((0..150).map(|_| place()));
     let other = prepared(body(BODIES[2]), &PrepareOptions::default());
     let alone = assert_match("the body alone", &prepared(clean.clone(), &PrepareOptions::default()), &other);
-    for (name, scan) in [("crumbs", strewn.shape()), ("strays", cloud.shape())] {
+    for (name, scan) in [("strays", strewn.shape()), ("strays", cloud.shape())] {
         let n = scan.points().len();
         let shape = prepared(scan, &PrepareOptions::default());
         let aside = shape.repairs.iter().find(|repair| repair.code == "crumbs-set-aside").expect("said");
@@ -77,14 +77,14 @@ fn copies_go_with_the_first_point_at_their_place() {
 #[test]
 fn of_loose_triangles_every_corner_of_a_far_crumb_is_unmatched() {
     let clean = soup(&body(BODIES[0]));
-    let mut crumbs = clean.clone();
+    let mut strays = clean.clone();
     for k in 0..10 {
-        let (first, centre) = (crumbs.points.len() as u32, [1.5 + 0.1 * f64::from(k), 0.5, 1.0]);
+        let (first, centre) = (strays.points.len() as u32, [1.5 + 0.1 * f64::from(k), 0.5, 1.0]);
         let corner = |c: usize| std::array::from_fn(|a| centre[a] + if a == c { 0.01 } else { 0.0 });
-        crumbs.points.extend([centre, corner(0), corner(1), corner(2)]);
-        crumbs.faces.extend([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|f| f.map(|i| first + i)));
+        strays.points.extend([centre, corner(0), corner(1), corner(2)]);
+        strays.faces.extend([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|f| f.map(|i| first + i)));
     }
-    let corners: Vec<[f64; 3]> = crumbs.faces.iter().flatten().map(|&i| crumbs.points[i as usize]).collect();
+    let corners: Vec<[f64; 3]> = strays.faces.iter().flatten().map(|&i| strays.points[i as usize]).collect();
     let faces = (0..corners.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
     let of_body = 3 * clean.faces.len();
     let loose = prepared(Soup { points: corners, faces }.shape(), &quick());
@@ -92,8 +92,8 @@ fn of_loose_triangles_every_corner_of_a_far_crumb_is_unmatched() {
     assert_eq!((aside.count, loose.info.pieces), (120, 1));
     let other = prepared(body(BODIES[1]), &quick());
     let found = matched(&loose, &other);
-    let (body, crumbs) = found.a_to_b.target.split_at(of_body);
-    assert!(crumbs.iter().all(|&target| target == UNMATCHED));
+    let (body, strays) = found.a_to_b.target.split_at(of_body);
+    assert!(strays.iter().all(|&target| target == UNMATCHED));
     assert!(found.b_to_a.target.iter().all(|&i| (i as usize) < of_body));
     let mut targets = vec![UNMATCHED; 5000];
     for (&corner, &target) in clean.faces.iter().flatten().zip(body) {

@@ -8,32 +8,32 @@ use super::Shape;
 use crate::graph::{components, nearest_neighbours};
 use crate::vector::{cross, minus, norm};
 
-/// A piece with less than this share of the largest piece's surface (of a cloud: of its points) is a crumb. Of many pieces alike none is.
-const CRUMB: f64 = 0.01;
+/// A piece with less than this share of the largest piece's surface (of a cloud: of its points) is a stray piece. Of many pieces alike none is.
+const STRAY: f64 = 0.01;
 /// Neighbours that tell how dense a cloud is around a point.
 const AROUND: usize = 8;
 /// Two points of a cloud hang together up to this many times the distance to which the one of them in the denser place has its neighbours.
 const GAP: f64 = 3.0;
 /// A point whose neighbours are this many times farther away than those of the median point is a stray.
 const SPARSE: f64 = 4.0;
-/// A crumb or a vertex in no face this far (in lengths of the body's box) from the body is unmatched; a nearer one, like an eye or a nail, goes with the body.
+/// A stray piece or a vertex in no face this far (in lengths of the body's box) from the body is unmatched; a nearer one, like an eye or a nail, goes with the body.
 const FAR: f64 = 0.02;
 
 /// Points of a shape that its operator does without.
-pub struct Crumbs {
+pub struct Strays {
     /// Points (of those that count) that belong to the body.
     pub body: Vec<u32>,
-    /// Points in crumbs and their copies, ascending.
-    pub crumbs: Vec<u32>,
+    /// Points in strays and their copies, ascending.
+    pub strays: Vec<u32>,
     /// Those of them that are far from the body.
     pub far: Vec<u32>,
-    /// Number of crumbs.
+    /// Number of strays.
     pub pieces: usize,
     /// Vertices of a mesh that are in no face and far from the body, ascending.
     pub far_vertices: Vec<u32>,
 }
 
-impl Crumbs {
+impl Strays {
     /// All points that nothing on the body can stand for, ascending.
     pub fn unmatched(&self) -> Vec<u32> {
         let mut all = [&self.far[..], &self.far_vertices[..]].concat();
@@ -42,35 +42,35 @@ impl Crumbs {
     }
 }
 
-/// Parts the points that count, `surface`, into the body and crumbs.
+/// Parts the points that count, `surface`, into the body and strays.
 ///
-/// Every piece of a scan has an eigenvalue of zero and takes one of the k eigenfunctions, so sixty crumbs leave half a basis; and a stray far from the
+/// Every piece of a scan has an eigenvalue of zero and takes one of the k eigenfunctions, so sixty strays leave half a basis; and a stray far from the
 /// body is the first that an even sampling picks.
-pub fn set_crumbs_aside(shape: &Shape, surface: &[u32]) -> Crumbs {
+pub fn set_strays_aside(shape: &Shape, surface: &[u32]) -> Strays {
     let (piece, weight) = match shape.faces().is_empty() {
         true => pieces_of_cloud(&at(shape, surface)),
         false => pieces_of_mesh(shape, surface),
     };
     let largest = weight.iter().copied().fold(0.0, f64::max);
-    let (mut body, mut crumbs, mut pieces) = (Vec::new(), Vec::new(), BTreeSet::new());
+    let (mut body, mut strays, mut pieces) = (Vec::new(), Vec::new(), BTreeSet::new());
     for (&i, piece) in surface.iter().zip(piece) {
-        if weight[piece as usize] < CRUMB * largest {
-            crumbs.push(i);
+        if weight[piece as usize] < STRAY * largest {
+            strays.push(i);
             pieces.insert(piece);
         } else {
             body.push(i);
         }
     }
     let bare = points_in_no_face(shape, surface);
-    if crumbs.is_empty() && bare.is_empty() {
-        return Crumbs { body, crumbs, far: Vec::new(), pieces: 0, far_vertices: Vec::new() };
+    if strays.is_empty() && bare.is_empty() {
+        return Strays { body, strays, far: Vec::new(), pieces: 0, far_vertices: Vec::new() };
     }
     let from_body = |points: &[u32]| far_from(&at(shape, &body), &at(shape, points), points);
     let far_vertices = from_body(&bare);
-    let far = from_body(&crumbs);
+    let far = from_body(&strays);
     let first = shape.first_at_place();
-    let [crumbs, far] = [crumbs, far].map(|points| with_copies(&points, &first));
-    Crumbs { body, crumbs, far, pieces: pieces.len(), far_vertices }
+    let [strays, far] = [strays, far].map(|points| with_copies(&points, &first));
+    Strays { body, strays, far, pieces: pieces.len(), far_vertices }
 }
 
 /// Of a mesh the points that lie where none of `surface` lies, ascending.
@@ -95,12 +95,12 @@ fn at(shape: &Shape, points: &[u32]) -> Vec<[f64; 3]> {
     points.iter().map(|&i| shape.points()[i as usize]).collect()
 }
 
-/// Those of `names` whose places in `crumbs` are far from all of `body`.
-fn far_from(body: &[[f64; 3]], crumbs: &[[f64; 3]], names: &[u32]) -> Vec<u32> {
+/// Those of `names` whose places in `strays` are far from all of `body`.
+fn far_from(body: &[[f64; 3]], strays: &[[f64; 3]], names: &[u32]) -> Vec<u32> {
     let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(body) else { return Vec::new() };
     let reach = FAR * longest_side(body);
     let squared = |p: &[f64; 3]| tree.query(p).nearest_one::<SquaredEuclidean<f64>>().execute().distance;
-    crumbs.iter().zip(names).filter(|(p, _)| squared(p) > reach * reach).map(|(_, &name)| name).collect()
+    strays.iter().zip(names).filter(|(p, _)| squared(p) > reach * reach).map(|(_, &name)| name).collect()
 }
 
 /// For each of `surface` its connected piece over the faces, and the area of each piece.
