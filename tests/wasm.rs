@@ -89,7 +89,7 @@ fn a_body_matches_its_turned_copy_point_for_point_and_twice_the_same() {
 
 /// The network on the CPU.
 async fn on_cpu() -> wasm::Device {
-    wasm::open_device("cpu".into(), false).await.expect("the CPU")
+    wasm::open_device("cpu".into(), false, None).await.expect("the CPU")
 }
 
 #[wasm_bindgen_test]

@@ -35,7 +35,7 @@ fn up_to_half_as_many_points_again_stay_whole() {
 }
 
 #[test]
-fn vertices_without_faces_and_several_pieces_still_have_targets() {
+fn several_pieces_all_have_targets_and_far_vertices_without_faces_have_none() {
     let mut stray = blob(3);
     stray.points.splice(0..0, [[5.0, 5.0, 5.0]]);
     stray.faces.iter_mut().flatten().for_each(|i| *i += 1);
@@ -44,12 +44,15 @@ fn vertices_without_faces_and_several_pieces_still_have_targets() {
     let (whole, stray, pieces) =
         (prepared(blob(3).shape(), &quick()), prepared(stray.shape(), &quick()), prepared(pieces.shape(), &quick()));
     assert_eq!([&whole, &stray, &pieces].map(|p| p.info.pieces), [1, 1, 2]);
-    for (name, other) in [("strays", &stray), ("pieces", &pieces)] {
-        assert_match(name, &whole, other);
-        assert_match(name, other, &whole);
-        assert_match(name, other, other);
-    }
+    assert_match("onto pieces", &whole, &pieces);
+    assert_match("from pieces", &pieces, &whole);
+    assert_match("pieces", &pieces, &pieces);
     assert!(matched(&whole, &pieces).warnings.iter().any(|w| w.message.contains("2 pieces")));
+    let found = matched(&stray, &whole);
+    for (i, (&target, &confidence)) in found.a_to_b.target.iter().zip(&found.a_to_b.confidence).enumerate() {
+        let far = i == 0 || i > whole.shape.points().len();
+        assert_eq!((target == UNMATCHED, confidence == 0.0), (far, far), "vertex {i}");
+    }
     // Nothing is ever matched onto a vertex that is not part of the surface.
     let onto_strays = matched(&whole, &stray).a_to_b.target;
     assert!(onto_strays.iter().all(|&t| t != 0 && t <= whole.shape.points().len() as u32));

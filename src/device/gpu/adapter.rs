@@ -78,9 +78,11 @@ async fn in_browser() -> Result<GpuInfo, String> {
         let found = Reflect::get(object, &name.into()).ok();
         found.filter(|value| !value.is_undefined() && !value.is_null())
     };
-    let global: JsValue = js_sys::global().into();
-    let of_browser = ["Window", "WorkerGlobalScope"].iter().any(|kind| get(&global, kind).is_some());
-    let gpu = get(&global, "navigator").and_then(|navigator| get(&navigator, "gpu")).filter(|_| of_browser);
+    let global = js_sys::global();
+    let of_window = global.dyn_ref::<web_sys::Window>().map(|window| JsValue::from(window.navigator()));
+    let of_worker = || Some(global.dyn_ref::<web_sys::WorkerGlobalScope>()?.navigator().into());
+    // The rest of WebGPU is not in web-sys but behind a flag for what may still change.
+    let gpu = of_window.or_else(of_worker).and_then(|navigator| get(&navigator, "gpu"));
     let missing = "the engine has no WebGPU, or the page is not served over HTTPS";
     let gpu = gpu.ok_or(missing)?;
     let options = Object::new();
