@@ -18,6 +18,10 @@ export async function check() {
     'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),
     'clippy for wasm32 with GPU': () =>
       clippy(['--lib', '--test', 'wasm', '--test', 'gpu_in_browser', '--features', 'gpu', '--target', 'wasm32-unknown-unknown'], wasm),
+    'cargo doc': () =>
+      run('cargo', ['doc', '--quiet', '--locked', '--no-deps', '--features', 'train,gpu'], {
+        env: environment([], { RUSTDOCFLAGS: '-D warnings' }),
+      }),
     'types of the package': compilePackage,
     'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),
     prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),

@@ -41,7 +41,8 @@ pub enum Mass {
 /// The mass of any kind can be chosen. An option that a kind does not have is refused by name, so that nobody believes to have changed what did not change.
 ///
 /// ```
-/// use geose_fmap::{LaplacianBuilder, LaplacianKind, Progress, Shape};
+/// use geose_fmap::operators::LaplacianBuilder;
+/// use geose_fmap::{LaplacianKind, Progress, Shape};
 ///
 /// let points = (0..400)
 ///     .map(|i| {
