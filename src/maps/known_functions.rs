@@ -12,7 +12,7 @@ const TIMES: [f64; 2] = [0.003, 0.02];
 /// Weight of each landmark against all invariant descriptors together, which weigh 1: one or two pairs can turn a body round.
 const LANDMARK_WEIGHT: f64 = 2.0;
 
-/// Heat spread from each landmark row, one column per landmark and time, of norm [`LANDMARK_WEIGHT`]. Shape (k, 2·landmarks), coefficients in
+/// Heat spread from each landmark row, one column per landmark and time, of norm 2. Shape (k, 2·landmarks), coefficients in
 /// `basis`.
 pub fn landmark_functions(basis: &SpectralBasis, rows: &[u32]) -> Array2<f64> {
     let mut coefficients = Array2::zeros((basis.k(), TIMES.len() * rows.len()));
@@ -32,7 +32,7 @@ pub fn landmark_functions(basis: &SpectralBasis, rows: &[u32]) -> Array2<f64> {
 /// Weight of all part indicators together, against the invariant descriptors' 1 together.
 const PARTS_WEIGHT: f64 = 2.0;
 
-/// Indicator functions of the parts `shared`, one column per part, all together of norm [`PARTS_WEIGHT`]. `labels` (n) are those of the shape's
+/// Indicator functions of the parts `shared`, one column per part, all together of norm 2. `labels` (n) are those of the shape's
 /// points. Shape (k, parts), coefficients in `basis`.
 pub fn part_functions(basis: &SpectralBasis, labels: &[u32], shared: &BTreeSet<u32>) -> Array2<f64> {
     let column_of: BTreeMap<u32, usize> = shared.iter().enumerate().map(|(column, &part)| (part, column)).collect();

@@ -1,5 +1,6 @@
 //! The method, in order. The only room that knows it: [`prepare`] takes a scan to what can be matched, [`match_shapes`] two of these to a correspondence.
 
+mod block;
 mod contact;
 mod error;
 mod geometry;
@@ -14,6 +15,7 @@ mod processor;
 mod thinned;
 mod warnings;
 
+pub use block::BlockError;
 pub use error::{Error, Result};
 pub use matcher::Matcher;
 #[cfg(feature = "train")]
@@ -23,6 +25,6 @@ pub use options::{FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 #[cfg(feature = "train")]
 pub(crate) use prepare::{network_inputs, prepare_with_carriers};
 pub use prepare::{prepare, prepare_with};
-pub use prepared::{BlockError, Info, PreparedShape, ShapeKind};
+pub use prepared::{Info, PreparedShape, ShapeKind};
 pub use processor::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse, Processor};
 pub use warnings::Warning;

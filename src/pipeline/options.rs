@@ -9,7 +9,7 @@ use crate::progress::Listener;
 use crate::registration::Refinement;
 use crate::shape::Axis;
 
-/// Options of [`prepare`](crate::prepare).
+/// Options of [`Matcher::prepare`](crate::Matcher::prepare).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct PrepareOptions {
@@ -78,7 +78,7 @@ pub enum FaceUse {
     Ignore,
 }
 
-/// Options of [`match_shapes`](crate::match_shapes).
+/// Options of [`Matcher::match_shapes`](crate::Matcher::match_shapes).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct MatchOptions {

@@ -6,20 +6,20 @@ use serde_json::{Value, json};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// Fewer than [`MIN_POINTS`](super::MIN_POINTS).
+    /// Fewer than 50 points.
     #[error("the scan has {found} points; at least {needed} are needed")]
     TooFewPoints {
         /// Points in the upload.
         found: usize,
-        /// [`MIN_POINTS`](super::MIN_POINTS).
+        /// 50 points.
         needed: usize,
     },
-    /// More than [`MAX_POINTS`](super::MAX_POINTS).
+    /// More than 2³¹ points.
     #[error("the scan has {found} points; at most {limit} can be indexed")]
     TooManyPoints {
         /// Points in the upload.
         found: usize,
-        /// [`MAX_POINTS`](super::MAX_POINTS).
+        /// 2³¹ points.
         limit: usize,
     },
     /// A flat array that does not hold whole triples.
@@ -48,14 +48,14 @@ pub enum ShapeError {
         /// Points given.
         points: usize,
     },
-    /// A coordinate beyond [`MAX_COORDINATE`](super::MAX_COORDINATE).
+    /// A coordinate beyond 10³⁰.
     #[error("point {index} has the coordinate {value:e}; beyond {limit:e} areas cannot be computed: rescale the scan")]
     CoordinateTooLarge {
         /// First such point.
         index: usize,
         /// The coordinate.
         value: f64,
-        /// [`MAX_COORDINATE`](super::MAX_COORDINATE).
+        /// 10³⁰.
         limit: f64,
     },
     /// All points lie in one place (within what f64 can tell apart there).
@@ -64,14 +64,14 @@ pub enum ShapeError {
         /// Points in the upload.
         points: usize,
     },
-    /// A bounding box smaller than [`MIN_EXTENT`](super::MIN_EXTENT).
+    /// A bounding box smaller than 10⁻³⁰.
     #[error(
         "the whole scan is only {extent:e} units across; below {limit:e} areas cannot be computed: rescale the scan"
     )]
     ExtentTooSmall {
         /// Longest side of the bounding box.
         extent: f64,
-        /// [`MIN_EXTENT`](super::MIN_EXTENT).
+        /// 10⁻³⁰.
         limit: f64,
     },
     /// All points lie on one line: there is no surface.

@@ -7,7 +7,7 @@ use super::failure::{Failure, sentence};
 /// What kind of device will do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GpuOptions {
-    /// Also one that computes on the processor: it gives the same results, more slowly than [`crate::Cpu`].
+    /// Also one that computes on the processor: it gives the same results, more slowly than [`Cpu`](crate::device::Cpu).
     pub software: bool,
 }
 
