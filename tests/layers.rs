@@ -115,6 +115,16 @@ fn no_file_uses_a_room_above_its_own() {
     assert!(up.is_empty(), "{}", up.join("\n"));
 }
 
+/// One idea a file. The generator of bodies in the trainer is tables of a body.
+#[test]
+fn no_file_has_more_than_400_lines() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let length = |file: &PathBuf| fs::read_to_string(file).expect("text").lines().count();
+    let long =
+        sources(&src).into_iter().filter(|file| !file.starts_with(src.join("train/bodies")) && length(file) > 400);
+    assert_eq!(long.collect::<Vec<_>>(), Vec::<PathBuf>::new());
+}
+
 #[test]
 fn an_arrow_upwards_is_found_however_it_is_written() {
     assert_eq!(arrows_up("graph", "use crate::shape::Shape;\nuse crate::vector::dot;"), ["shape"]);
