@@ -88,53 +88,6 @@ impl Category {
         Ok(category)
     }
 
-    /// Of scans of one's own: names of the parts, pairs of them that meet, and their areas in any unit. Parts of which one name says left where another says
-    /// right are mirror images; what meets on one side meets on the other. No shape is held to be of another category, and confidence is that of maps without a
-    /// network, until both are fitted.
-    #[cfg(feature = "train")]
-    pub(crate) fn of_labels(
-        name: &str,
-        parts: &[String],
-        meeting: impl IntoIterator<Item = [usize; 2]>,
-        areas: &[f64],
-    ) -> Result<Self, String> {
-        let other = |name: &str| name.replace("left", "\0").replace("right", "left").replace('\0', "right");
-        let mirror = |i: usize| parts.iter().position(|part| *part == other(&parts[i])).unwrap_or(i);
-        let total: f64 = areas.iter().sum();
-        let mut pairs: std::collections::BTreeSet<[usize; 2]> = meeting.into_iter().collect();
-        let mirrored: Vec<[usize; 2]> = pairs.iter().map(|pair| pair.map(mirror)).collect();
-        pairs.extend(mirrored.into_iter().map(|[i, j]| [i.min(j), i.max(j)]));
-        let part = |i: usize| {
-            let letters = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_lowercase();
-            let side = ["left", "right"].into_iter().find(|&side| mirror(i) != i && parts[i].contains(side));
-            let class = letters(&side.map_or(parts[i].clone(), |side| parts[i].replace(side, "")));
-            // A part that none of these scans has is there all the same.
-            let area = (areas[i] / total).max(1e-4);
-            Part {
-                name: parts[i].clone(),
-                side: side.map(str::to_owned),
-                mirror: mirror(i),
-                group: 0,
-                area,
-                classes: vec![class],
-            }
-        };
-        let category = Self {
-            name: name.to_owned(),
-            one: name.to_owned(),
-            version: 1,
-            parts: (0..parts.len()).map(part).collect(),
-            meeting: pairs.into_iter().collect(),
-            groups: Vec::new(),
-            cues: Vec::new(),
-            extent: None,
-            thresholds: Thresholds { bijectivity: 0.2, certainty: 0.0, contact: 1.0 },
-            confidence: Vec::new(),
-        };
-        category.check()?;
-        Ok(category)
-    }
-
     /// As JSON, as it stands in the header of weights.
     pub fn to_json(&self) -> Result<String, WeightsError> {
         serde_json::to_string(self).map_err(|e| WeightsError(e.to_string()))

@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use super::category_of_labels::category_of_labels;
 use super::pool::{MakesSamples, SampleConfig, Scans};
 use super::sample::Sample;
 use crate::evaluate::EvaluationError;
@@ -87,7 +88,7 @@ impl LabelledScans {
             meeting = (0..count).flat_map(|j| (0..j).map(move |i| [i, j])).collect();
         }
         let problem = |problem| EvaluationError::misfit(&self.folder.join("labels.json"), problem);
-        Category::of_labels(&self.set.name(), &self.parts, meeting, &areas).map_err(problem)
+        category_of_labels(&self.set.name(), &self.parts, meeting, &areas).map_err(problem)
     }
 
     /// Names of the scans that are kept to test with.

@@ -2,6 +2,7 @@
 
 pub mod atlas;
 pub mod bodies;
+mod category_of_labels;
 pub mod device;
 pub mod folds;
 pub mod labelled;
