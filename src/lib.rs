@@ -45,17 +45,19 @@
 //! | spectral basis Φ, λ | Sec. 3.2, step 4 | [`spectrum`] |
 //! | heat and wave kernel signatures | – | [`descriptors`] |
 //! | sampled surface: an even sampling, which samples are adjacent, normals | – | `descriptors/sampled_surface.rs` |
+//! | carriers: the points that a basis has rows for; points used: those that are matched; coarse: a farthest-point sampling of these | N of Sec. 4.1 | `shape/support.rs` |
 //! | features F, DiffusionNet | Sec. 3.3 | `network/diffusion_net.rs` |
-//! | position encoding ψ(P) | Sec. 3.3 | `network/inputs.rs` |
+//! | position encoding ψ(P) | Sec. 3.3 | `network/inputs.rs`; of maps without a network `registration/initial.rs` |
 //! | moments: inner and triple products with learned centres, by which left and right differ | not in the paper | `network/moments.rs` |
 //! | part-aware masked attention | Sec. 3.3 | `network/attention.rs` |
 //! | category: the kind of body that weights know, its parts and thresholds | the C = 8 labels of Sec. 4.1 | `network/category.rs` |
 //! | functional map C_ab: functions on A → functions on B | Sec. 3.3, C_AB | [`maps`] |
 //! | point map: goes the other way than its functional map | π | `maps/point_map.rs` |
-//! | out-of-distribution scores | – | `maps/learned.rs` |
+//! | ZoomOut | – | `registration/refine.rs` |
+//! | out-of-distribution scores, and the verdict on them | – | `maps/learned.rs`, `pipeline/warnings.rs`; thresholds in the category |
 //! | registration: each body deformed onto the other, as rigidly as possible | – | [`registration`] |
 //! | chirality: whether a map turns a surface inside out | – | `registration/chirality.rs` |
-//! | cues, calibration, prior of a place: what confidence is made of | – | `confidence` |
+//! | cues, calibration, prior of a place: what confidence is made of | – | `confidence`; fitted by `evaluate/refit.rs` |
 //! | lifting: from the points used to every uploaded point | – | `lifting` |
 //! | L_geo, L_orth, L_sem and the losses beside them | Sec. 3.4 | `train/losses.rs` (feature `train`) |
 //! | average geodesic error, accuracy, part IoU | Sec. 4.2 | `evaluate`, [`uses`] |

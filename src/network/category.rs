@@ -9,7 +9,7 @@ use super::WeightsError;
 /// Most parts that a category may have: labels of parts are bytes.
 const MOST_PARTS: usize = 255;
 /// Coefficients of confidence beside those of the cue limbs: a constant, three signs of a fault near and wide, and the prior.
-const GENERAL: usize = 8;
+const COMMON: usize = 8;
 /// Rows of the confidence table: refined by registration or not, by clouds or meshes.
 pub(crate) const SITUATIONS: usize = 4;
 
@@ -39,7 +39,8 @@ pub struct Category {
     pub extent: Option<[f64; 2]>,
     /// When a shape is none of this category.
     pub thresholds: Thresholds,
-    /// Coefficients of confidence, four rows: as found first between clouds and between meshes, after registration between clouds and between meshes. Each has a
+    /// Coefficients of confidence, four rows: of first maps where a cloud takes part and between meshes (whose faces agree on an
+    /// outside), then the same after registration. Each has a
     /// constant, then cycle, strain and residual, each near and wide, then one per group of `cues`, then that of the prior. Empty where none were fitted.
     #[serde(default)]
     pub confidence: Vec<Vec<f64>>,
@@ -145,7 +146,7 @@ impl Category {
         if !(bijectivity > 0.0 && (0.0..=1.0).contains(&certainty) && (0.0..=1.0).contains(&contact)) {
             return Err(format!("its thresholds are {:?}", self.thresholds));
         }
-        let row = GENERAL + self.cues.len();
+        let row = COMMON + self.cues.len();
         let complete =
             |coefficients: &Vec<f64>| coefficients.len() == row && coefficients.iter().all(|c| c.is_finite());
         if !(self.confidence.is_empty() || self.confidence.len() == SITUATIONS && self.confidence.iter().all(complete))

@@ -1,4 +1,4 @@
-//! Which neighbours lie on the same sheet of surface as a point, where limbs touch.
+//! The surface around each point of a cloud, a quadric by robust moving least squares, and with it which neighbours lie on the same sheet where limbs touch.
 
 use super::frames::tangent_frame;
 use crate::graph::Neighbours;

@@ -107,7 +107,7 @@ pub enum Parts {
     /// Predicted by the network, as a soft mask.
     #[default]
     Predicted,
-    /// Labels that came with both scans: the point map stays within them. The first map and attention know up to 64 of them apart, the largest.
+    /// Labels that came with both scans: the point map stays within them wherever the other scan has the label near. The first map and attention know up to 64 of them apart, the largest.
     Given,
     /// None.
     None,

@@ -54,7 +54,7 @@ pub(crate) fn of_shapes(a: &PreparedShape, b: &PreparedShape) -> Vec<Warning> {
     warnings
 }
 
-/// When the pair is unlike those the network was trained on; `without` says that another map than the network's was taken, `by_landmarks` that these spoke
+/// When the network's map is not to be relied on: the pair is unlike those it was trained on, or landmarks contradict it. `without` says that another map than the network's was taken, `by_landmarks` that these spoke
 /// against it.
 pub(crate) fn verdict(home: &Home, without: bool, by_landmarks: bool) -> Option<Warning> {
     let (category, scores) = (&home.embeddings[0].category, home.scores);

@@ -1,4 +1,4 @@
-//! The first pair of maps: from descriptors, the coordinates of the two bodies brought into one frame.
+//! A first pair of maps without a network: from descriptors, the coordinates of the two bodies brought into one frame.
 
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 

@@ -17,7 +17,7 @@ pub(crate) const AWAY: f64 = 0.1;
 /// What a user knows of a pair, at the points used.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Constraints<'a> {
-    /// Part labels (n) of A and of B: no point is matched to another part.
+    /// Part labels (n) of A and of B: no point is matched to another part, unless the other shape has none of its own.
     pub parts: Option<(&'a [u32], &'a [u32])>,
     /// Rows of A and of B that correspond; no row twice.
     pub landmarks: &'a [[u32; 2]],

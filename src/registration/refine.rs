@@ -186,7 +186,8 @@ pub(crate) struct Refined {
 /// Refines `first` and matches every point both ways. `extra` are columns (n, c) of A and of B that agree at points that correspond, weighed as they are to
 /// count beside positions in √area: point features of a network, probabilities of parts. Labels keep points in their part (paper Sec. 3.3, at the level of the map).
 /// Landmarks are matched to each other in every round and draw along what lies around them; whether the map has followed is left to be seen in its last match. First
-/// maps that are asked for as they are know nothing of landmarks here. Returns the correspondences A → B and B → A, and the maps they came from.
+/// maps that are asked for as they are know nothing of landmarks here. Returns the correspondences A → B and B → A, the maps they came from, what confidence
+/// was judged by, and how far landmarks are missed.
 pub(crate) async fn refine<D: Device>(
     device: &D,
     (a, b): (&Matchable, &Matchable),

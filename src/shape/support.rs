@@ -5,7 +5,7 @@ use crate::progress::Cancelled;
 
 /// Meshes of more vertices get the basis of a simplified mesh.
 pub const MESH_LIMIT: usize = 30_000;
-/// Vertices of a simplified mesh: three times the points that take part, so that the basis is finer than their spacing.
+/// Vertices of a simplified mesh, or as many as are to take part where these are more: three times the default, so that the basis is finer than their spacing.
 const SIMPLIFIED: usize = 15_000;
 
 /// From uploaded points to the rows of the basis ("carriers", c of them), and from those to the points used (p of them).
