@@ -4,11 +4,13 @@ import path from 'node:path';
 import { brotliCompressSync, gzipSync } from 'node:zlib';
 import { Failure, root } from './run.mjs';
 
-/** Bytes: as it lies on the disk, and as most servers send it. 592 kB of them are the network's weights, which gzip to 545 kB. */
+/**
+ * Bytes: as it lies on the disk, and as most servers send it. 596 kB of them are the network's weights, which gzip to 545 kB. Weights of one's own may be of any
+ * category and of the paper's network too: its normalisation, masks and solver, categories read and checked, and landmarks that hold took about 200 kB.
+ */
 export const BUDGETS = {
-  'with WebGPU': { raw: 3_300_000, gzip: 1_550_000 },
-  // 30 kB more than it once had, 12 of them for telling limbs in contact apart, the rest for what other compilers make of it.
-  'without WebGPU': { raw: 2_930_000, gzip: 1_400_000 },
+  'with WebGPU': { raw: 3_400_000, gzip: 1_620_000 },
+  'without WebGPU': { raw: 3_050_000, gzip: 1_460_000 },
 };
 
 /** Prints the size of a built module against its budget. */
