@@ -74,7 +74,7 @@ export interface PrepareOptions extends CallOptions, ReadOptions {
   faces?: 'use' | 'ignore' | undefined;
   /** Default `'cotangent'` for meshes, `'geodesic'` for clouds. */
   laplacian?: LaplacianKind | undefined;
-  /** Eigenpairs of the basis (default 120); the network has the 64 it looks at all the same. */
+  /** Eigenpairs of the basis (default 120); the network has those that it looks at all the same. */
   eigenpairs?: number | undefined;
   /** Axis that points up, where it is known; shown in `info`, the match does not depend on it. */
   up?: Axis | undefined;

@@ -69,7 +69,7 @@ struct Arguments {
     /// Weights that place points on a common body by given part labels, to learn from beside the labels.
     #[arg(long)]
     teacher: Option<PathBuf>,
-    /// The operator of every cloud, for comparisons: geodesic, geodesic-literal or euclidean. By default that of matching on most, others on some.
+    /// The operator of every cloud, for comparisons: geodesic, geodesic-literal, gaussian or euclidean. By default that of matching on most, others on some.
     #[arg(long)]
     laplacian: Option<LaplacianKind>,
     /// Cross-validates the losses of `--candidates` instead, in so many folds of the bodies.

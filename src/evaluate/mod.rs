@@ -311,6 +311,9 @@ fn part_iou(set: &DataSet, name: &str, shape: &PreparedShape) -> Result<Option<f
 
 /// The share of lines whose two points have the same predicted part.
 fn part_agreement(a: &PreparedShape, b: &PreparedShape, lines: &[(u32, u32)]) -> Option<f64> {
+    if a.embeddings.first()?.weights != b.embeddings.first()?.weights {
+        return None;
+    }
     let (of_a, of_b) = (a.predicted_parts()?, b.predicted_parts()?);
     mean(lines.iter().map(|&(i, j)| f64::from(u8::from(of_a[i as usize] == of_b[j as usize]))))
 }

@@ -114,7 +114,7 @@ pub fn refit(
     let points = all_situations(points, dataset)?;
     let [trained] = model.networks() else { panic!("one network is fitted at a time") };
     let weights = trained.weights();
-    let features = weights.config.features;
+    let features = weights.config.feature_columns();
     let mut prior = Array2::<f32>::zeros((features + 1, 2));
     let mut fitted = BTreeMap::new();
     // Refined maps first: their points say what prior is, and the others take it as it is.

@@ -32,11 +32,16 @@ impl OutOfDistribution {
         self.bijectivity.is_nan() || self.bijectivity > self.thresholds.bijectivity
     }
 
-    /// Whether another network's view of the same pair is the less likely one.
+    /// Whether another network's view of the same pair is the less likely one. A category that knows others and is at home comes before one that knows none.
     pub fn is_more_at_home_than(&self, other: &Self) -> bool {
         let rank = |scores: &Self| {
             let off = scores.bijectivity / scores.thresholds.bijectivity;
-            (scores.is_of_others(), if off.is_nan() { f64::INFINITY } else { off })
+            let place = match (scores.thresholds.certainty > 0.0, scores.is_of_others()) {
+                (true, false) => 0,
+                (false, _) => 1,
+                (true, true) => 2,
+            };
+            (place, if off.is_nan() { f64::INFINITY } else { off })
         };
         rank(self) <= rank(other)
     }

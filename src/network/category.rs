@@ -127,9 +127,12 @@ impl Category {
         if (area - 1.0).abs() > 0.02 {
             return Err(format!("the parts have {area} of the area together"));
         }
-        for &[i, j] in &self.meeting {
+        for (at, &[i, j]) in self.meeting.iter().enumerate() {
             known(i, "a pair that meets")?;
             known(j, "a pair that meets")?;
+            if i == j || self.meeting[..at].iter().any(|&[p, q]| [p, q] == [i, j] || [q, p] == [i, j]) {
+                return Err(format!("\"{}\" and \"{}\" meet twice", self.parts[i].name, self.parts[j].name));
+            }
             let mirrored = [self.parts[i].mirror, self.parts[j].mirror];
             if !self.meet(mirrored[0], mirrored[1]) {
                 let [one, other] = [&self.parts[i].name, &self.parts[j].name];
@@ -166,6 +169,11 @@ impl Category {
     pub(crate) fn meeting(&self, p: ArrayView1<f32>, q: ArrayView1<f32>) -> f32 {
         let same: f32 = p.dot(&q);
         same + self.meeting.iter().map(|&[i, j]| p[i] * q[j] + p[j] * q[i]).sum::<f32>()
+    }
+
+    /// Whether it was found out when a shape is of another category: scans of one's own say nothing of that.
+    pub(crate) fn knows_others(&self) -> bool {
+        self.thresholds.certainty > 0.0
     }
 
     /// Names of the parts.
@@ -232,6 +240,8 @@ mod tests {
         assert!(refused(&|c| c.parts[0].area = f64::NAN).contains("of the area"));
         assert!(refused(&|c| c.meeting.push([2, 9])).contains("mirror images do not"));
         assert!(refused(&|c| c.meeting.push([0, 14])).contains("part 14"));
+        assert!(refused(&|c| c.meeting.push([1, 0])).contains("meet twice"));
+        assert!(refused(&|c| c.meeting.push([3, 3])).contains("meet twice"));
         assert!(refused(&|c| c.cues[0].push(14)).contains("a cue"));
         assert!(refused(&|c| c.groups.truncate(3)).contains("group 3 of 3"));
         assert!(refused(&|c| c.extent = Some([2.0, 1.0])).contains("extent"));

@@ -153,6 +153,24 @@ impl ModelConfig {
         }
     }
 
+    /// Whether the numbers can be meant.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let ranges = [
+            ("width", self.width, 1..=4096),
+            ("blocks", self.blocks, 0..=64),
+            ("eigenpairs", self.eigenpairs, 1..=1000),
+            ("moments", self.moments, 0..=256),
+            ("features", self.features, 1..=4096),
+            ("attention", self.attention, 0..=4096),
+            ("attention_layers", self.attention_layers, 0..=64),
+            ("map", self.map, 1..=1000),
+        ];
+        match ranges.iter().find(|(_, value, range)| !range.contains(value)) {
+            Some((name, value, range)) => Err(format!("{name} is {value}, and must be {range:?}")),
+            None => Ok(()),
+        }
+    }
+
     /// What of a shape it is given.
     pub fn input(&self) -> InputConfig {
         InputConfig { eigenpairs: self.eigenpairs, position: self.position, encoding: self.encoding }

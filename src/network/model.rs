@@ -67,6 +67,7 @@ impl<D: Device> Model<D> {
     /// Copies weights to `device`, once; checks that each fit the network that they say they are of. At least one is needed.
     pub fn on(weights: impl IntoIterator<Item = Arc<Weights>>, device: D) -> Result<Self, WeightsError> {
         let build = |weights: Arc<Weights>| -> Result<_, WeightsError> {
+            weights.config.check().and_then(|()| weights.category.check()).map_err(WeightsError)?;
             let category = Arc::new(weights.category.clone());
             let network = Network::new(&weights.config, category.parts.len(), &mut weights.on(&device))?;
             Ok(TrainedNetwork { id: weights.id(), weights, category, network })
@@ -118,6 +119,13 @@ impl<T> TrainedNetwork<T> {
     /// The forward pass.
     pub fn network(&self) -> &Network<T> {
         &self.network
+    }
+
+    /// Whether an embedding is of these weights, and as wide as what they give.
+    pub(crate) fn made(&self, embedding: &PointEmbedding) -> bool {
+        embedding.weights == self.id
+            && embedding.features.ncols() == self.weights.config.feature_columns()
+            && embedding.parts.ncols() == self.category.parts.len()
     }
 
     /// How far the place of each point on the body speaks for its match (p, 2), in log-odds beside other cues: between meshes, and where one is a cloud.

@@ -108,12 +108,15 @@ impl Weights {
         WeightsId { name: about("name"), version: about("version"), fingerprint: self.fingerprint() }
     }
 
-    /// FNV-1a, 64 bits, of the names and values of all tensors as f16, so that a file has that of the weights it was written from.
+    /// FNV-1a, 64 bits, of configuration, category, and the names and values of all tensors as f16, so that a file has that of the weights it was written from.
     fn fingerprint(&self) -> String {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         let mut enter = |bytes: &[u8]| {
             bytes.iter().for_each(|&byte| hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
         };
+        // Neither can fail: numbers and strings.
+        enter(serde_json::to_string(&self.config).unwrap_or_default().as_bytes());
+        enter(serde_json::to_string(&self.category).unwrap_or_default().as_bytes());
         for (name, tensor) in &self.tensors {
             enter(name.as_bytes());
             tensor.iter().for_each(|&value| enter(&f16::from_f32(value).to_le_bytes()));

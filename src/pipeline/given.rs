@@ -17,7 +17,7 @@ pub(crate) fn labels_used(shape: &PreparedShape, scan: &str) -> Result<Vec<u32>,
 /// Coefficients (k, l) of functions that correspond, on A and on B.
 pub(crate) type Functions = (Array2<f64>, Array2<f64>);
 
-/// Known pairs as rows of the points used of both, from uploaded indices.
+/// Known pairs as rows of the points used of both, from uploaded indices. One with a point that has no place on the body, such as a far stray, says nothing of other points.
 pub(crate) fn landmark_rows(
     a: &PreparedShape,
     b: &PreparedShape,
@@ -38,7 +38,10 @@ pub(crate) fn landmark_rows(
         pairs.iter().map(row).collect()
     };
     let (rows_a, rows_b) = (rows(a, "a", 0)?, rows(b, "b", 1)?);
-    Ok(distinct(rows_a.into_iter().zip(rows_b).map(|(i, j)| [i, j])))
+    let placed = |shape: &PreparedShape, i: u32| shape.support.unmatched.as_ref().is_none_or(|none| !none.contains(&i));
+    let both = pairs.iter().zip(rows_a.into_iter().zip(rows_b));
+    let on_bodies = both.filter(|&(&[i, j], _)| placed(a, i) && placed(b, j));
+    Ok(distinct(on_bodies.map(|(_, (i, j))| [i, j])))
 }
 
 /// Landmarks as functions on both sides; nothing without any.

@@ -117,7 +117,7 @@ async fn learned_start<'a, D: Device>(
     let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
     let mut best: Option<(Home, Start<D::Tensor>)> = None;
     for trained in model.networks() {
-        let (Some(of_a), Some(of_b)) = (a.embedding(trained.id()), b.embedding(trained.id())) else { continue };
+        let (Some(of_a), Some(of_b)) = (a.embedding_of(trained), b.embedding_of(trained)) else { continue };
         let soft = masks(options.parts, of_a, of_b, constraints.parts);
         let learned = learned_maps(model.device(), trained, [(side_a, of_a), (side_b, of_b)], &soft, known).await?;
         let home = Home { embeddings: [of_a, of_b], scores: learned.out_of_distribution };

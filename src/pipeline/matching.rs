@@ -13,7 +13,7 @@ use crate::confidence::{Cues, stretch};
 use crate::device::{Device, Fallback, Interrupted};
 use crate::lifting::lift;
 use crate::maps::{Correspondence, FunctionalMap};
-use crate::network::{Model, PointEmbedding, WeightsId};
+use crate::network::{Model, PointEmbedding, TrainedNetwork, WeightsId};
 use crate::progress::{Progress, Stage};
 use crate::registration::{Constraints, Refined, sampled_at};
 
@@ -164,10 +164,13 @@ pub(crate) async fn match_with_cues<D: Device>(
 
 /// Refuses a scan of which none of the networks at hand made its embedding, and two that have none of these in common.
 fn check_weights<D: Device>(model: &Model<D>, pair: [&PreparedShape; 2]) -> Result<(), OptionError> {
-    let loaded: Vec<&WeightsId> = model.networks().iter().map(|network| network.id()).collect();
-    let known = |shape: &PreparedShape, id: &WeightsId| shape.embeddings.is_empty() || shape.embedding(id).is_some();
+    let networks = model.networks();
+    let loaded: Vec<&WeightsId> = networks.iter().map(|network| network.id()).collect();
+    let known = |shape: &PreparedShape, network: &TrainedNetwork<D::Tensor>| {
+        shape.embeddings.is_empty() || shape.embedding_of(network).is_some()
+    };
     for (scan, before, shape) in [("A", None, pair[0]), ("B", Some(pair[0]), pair[1])] {
-        if !loaded.iter().any(|id| known(shape, id) && before.is_none_or(|before| known(before, id))) {
+        if !networks.iter().any(|network| known(shape, network) && before.is_none_or(|before| known(before, network))) {
             let prepared: Vec<&WeightsId> = shape.embeddings.iter().map(|embedding| &embedding.weights).collect();
             return Err(OptionError::other_weights(scan, &prepared, &loaded));
         }

@@ -134,14 +134,21 @@ async fn ask<D: Device>(
         }
         prepared.embeddings.push(embedding);
     }
-    prepared.embeddings.sort_by(|x, y| margin(y).total_cmp(&margin(x)));
+    prepared.embeddings.sort_by(|x, y| rank(x).0.cmp(&rank(y).0).then(rank(y).1.total_cmp(&rank(x).1)));
     Ok(())
 }
 
-/// By how much the parts of a shape are more certain than its category asks for.
-fn margin(embedding: &PointEmbedding) -> f64 {
+/// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
+/// parts of the shape are more certain than the category asks for.
+fn rank(embedding: &PointEmbedding) -> (u8, f64) {
     let share = 1.0 / embedding.parts.nrows().max(1) as f64;
-    embedding.certainty(std::iter::repeat(share)) - embedding.category.thresholds.certainty
+    let margin = embedding.certainty(std::iter::repeat(share)) - embedding.category.thresholds.certainty;
+    let place = match (embedding.category.knows_others(), margin >= 0.0) {
+        (true, true) => 0,
+        (false, _) => 1,
+        (true, false) => 2,
+    };
+    (place, margin)
 }
 
 async fn embed<D: Device>(

@@ -9,7 +9,7 @@ use crate::descriptors::SampledSurface;
 use crate::device::Fallback;
 use crate::lifting::Sampled;
 use crate::maps::Matchable;
-use crate::network::{Category, PointEmbedding, WeightsId};
+use crate::network::{Category, PointEmbedding, TrainedNetwork, WeightsId};
 use crate::operators::LaplacianKind;
 use crate::shape::{self, Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
@@ -127,6 +127,11 @@ impl PreparedShape {
     /// What these weights said of it, if they were asked.
     pub fn embedding(&self, weights: &WeightsId) -> Option<&PointEmbedding> {
         self.embeddings.iter().find(|embedding| embedding.weights == *weights)
+    }
+
+    /// What this network said of it, if it was asked.
+    pub(crate) fn embedding_of<T>(&self, network: &TrainedNetwork<T>) -> Option<&PointEmbedding> {
+        self.embedding(network.id()).filter(|embedding| network.made(embedding))
     }
 
     /// The category that the shape is most at home with.

@@ -21,7 +21,7 @@ const KEPT: usize = 5;
 /// Fewest scans that are split by their names: two to train on, and a pair to test with.
 const FEWEST: usize = 4;
 /// A sample's labels are bytes.
-const MOST_PARTS: usize = 256;
+const MOST_PARTS: usize = 255;
 
 /// A folder of labelled scans, split.
 pub struct LabelledScans {
@@ -73,9 +73,10 @@ impl LabelledScans {
         for name in &self.train {
             let shape = self.labelled(name)?;
             let labels = shape.labels().unwrap_or_default();
+            let whole = shape.surface_area().max(f64::MIN_POSITIVE);
             for face in shape.faces() {
                 let [a, b, c] = face.map(|i| labels[i as usize] as usize);
-                let area = shape.face_area(*face) / 3.0;
+                let area = shape.face_area(*face) / (3.0 * whole);
                 [a, b, c].iter().for_each(|&part| areas[part] += area);
                 let joined = [(a, b), (b, c), (c, a)].into_iter().filter(|(i, j)| i != j);
                 meeting.extend(joined.map(|(i, j)| [i.min(j), i.max(j)]));
