@@ -61,6 +61,25 @@ fn clueless() -> Weights {
     Weights::new(weights.config.clone(), category, about, tensors.collect())
 }
 
+/// Weights that know three parts, without sides, cues, coefficients of confidence or a threshold: as they come from labelled scans of one's own.
+fn unfitted() -> Weights {
+    let weights = embedded();
+    let part =
+        |name: &str, mirror: usize, area: f64| serde_json::json!({ "name": name, "mirror": mirror, "area": area });
+    let category = serde_json::json!({
+        "name": "scans", "one": "scan", "version": 1, "meeting": [[0, 1], [1, 2]],
+        "parts": [part("top", 0, 0.1), part("middle", 1, 0.5), part("bottom", 2, 0.4)],
+        "thresholds": { "bijectivity": 0.2, "certainty": 0.0, "contact": 1.0 },
+    });
+    let category = Category::from_json(&category.to_string()).expect("a category");
+    let three = |name: &str, tensor: Array2<f32>| {
+        if name.starts_with("parts.") { tensor.select(Axis(1), &[0, 1, 8]) } else { tensor }
+    };
+    let tensors = weights.tensors().map(|(name, tensor)| (name.to_owned(), three(name, tensor.to_owned())));
+    let about = BTreeMap::from([("name".to_owned(), "own".to_owned()), ("version".to_owned(), "1".to_owned())]);
+    Weights::new(weights.config.clone(), category, about, tensors.collect())
+}
+
 fn options() -> PrepareOptions {
     PrepareOptions { points: 1200, ..PrepareOptions::default() }
 }
@@ -126,6 +145,24 @@ fn of_several_categories_the_one_at_home_with_the_pair_is_taken_and_said() {
         let alone = block_on(match_with(Model::embedded(), &a, &b, &MatchOptions::default(), &mut Progress::silent()));
         assert_eq!(alone.expect("matched").a_to_b, found.a_to_b);
     }
+}
+
+#[test]
+fn a_category_without_thresholds_matches_alone_and_comes_after_one_that_is_at_home() {
+    let bodies = || [body("woman-standing.ply"), body("man-lunging.ply")];
+    let alone = Model::new(unfitted()).expect("a network");
+    let [a, b] = bodies().map(|shape| prepared(&alone, shape));
+    let found = block_on(match_with(&alone, &a, &b, &MatchOptions::default(), &mut Progress::silent()));
+    let found = found.expect("matched");
+    assert_eq!(found.category.as_deref(), Some("scans"));
+    assert!(found.a_to_b.confidence.iter().all(|c| (0.0..=1.0).contains(c)));
+    assert_eq!(a.info.unit, None, "how large such scans are is not known");
+
+    let both = Model::on([unfitted(), embedded().clone()].map(Arc::new), Cpu).expect("two networks");
+    let [a, b] = bodies().map(|shape| prepared(&both, shape));
+    assert_eq!((a.category().expect("one").name.as_str(), a.info.unit.as_deref()), ("people", Some("m")));
+    let found = block_on(match_with(&both, &a, &b, &MatchOptions::default(), &mut Progress::silent()));
+    assert_eq!(found.expect("matched").category.as_deref(), Some("people"));
 }
 
 #[test]

@@ -25,6 +25,10 @@ export type ErrorCode =
   | 'wasm-unavailable'
   /** The worker file could not be fetched or started. */
   | 'worker-unavailable'
+  /** Network weights that cannot be used. */
+  | 'invalid-weights'
+  /** A scan that was prepared with other weights than the matcher's. */
+  | 'other-weights'
   /** A `Blob` could not be read. */
   | 'unreadable-file'
   | (string & {});
