@@ -179,9 +179,14 @@ fn weights_without_a_sound_category_are_refused() {
     weights.category.parts.truncate(13);
     let refused = Weights::from_bytes(&weights.to_bytes(true).expect("bytes")).expect_err("refused").to_string();
     assert!(refused.contains("people") && refused.contains("part 13 of 13"), "{refused}");
-    let mut weights = embedded().clone();
-    weights.category.parts[1].area += weights.category.parts[0].area;
-    weights.category.parts.remove(0);
     let refused = Model::new(weights).expect_err("refused").to_string();
-    assert!(refused.contains("parts.weight is 96 by 14 and should be 96 by 13"), "{refused}");
+    assert!(refused.contains("part 13 of 13"), "not from a file either: {refused}");
+    let mut weights = embedded().clone();
+    weights.category = unfitted().category;
+    let refused = Model::new(weights).expect_err("refused").to_string();
+    assert!(refused.contains("parts.weight is 96 by 14 and should be 96 by 3"), "{refused}");
+    let mut weights = embedded().clone();
+    weights.config.map = 0;
+    let refused = Model::new(weights).expect_err("refused").to_string();
+    assert!(refused.contains("map is 0"), "{refused}");
 }
