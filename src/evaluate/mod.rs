@@ -122,7 +122,7 @@ impl Trial<'_> {
     /// For each line of the ground truth the point of A it begins at, and whether `found` takes that to at most [`RIGHT`] of where it belongs.
     #[cfg(feature = "train")]
     fn judge(&self, found: &[u32]) -> Vec<(u32, bool)> {
-        let errors = self.ruler.errors(self.truth, found);
+        let [errors] = self.ruler.errors(self.truth, [found]);
         self.truth.lines.iter().map(|&(i, _)| i).zip(errors.within(RIGHT)).collect()
     }
 }
@@ -279,14 +279,19 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
         (matched.a_to_b.target, Some(matched.a_to_b.confidence), matched.raw.map(|raw| raw.target))
     };
     let seconds = clock.elapsed().as_secs_f64();
-    let errors = ruler.errors(truth, &found);
-    let age_raw = raw.map_or(errors.age(), |raw| ruler.errors(truth, &raw).age());
+    let [errors, before] = ruler.errors(truth, [&found, raw.as_ref().unwrap_or(&found)]);
     let flipped = truth.mirrored.as_ref().map(|mirrored| ruler.is_flipped(&errors, mirrored));
     let of_points = confidence.unwrap_or_default();
     let of_lines = truth.lines.iter().filter_map(|&(i, _)| of_points.get(i as usize));
     let judged = of_lines.zip(errors.within(RIGHT)).map(|(&confidence, right)| Judged { confidence, right }).collect();
     Ok(Measured {
-        result: PairResult { source: source.clone(), target: target.clone(), age: errors.age(), age_raw, flipped },
+        result: PairResult {
+            source: source.clone(),
+            target: target.clone(),
+            age: errors.age(),
+            age_raw: before.age(),
+            flipped,
+        },
         accuracy: THRESHOLDS.map(|(_, threshold)| errors.accuracy(threshold)),
         part_agreement: (task.parts() == Parts::Predicted && truth.vertex_of.is_none())
             .then(|| part_agreement(a, b, &truth.lines))

@@ -31,19 +31,23 @@ impl Ruler {
         Self { distances, points: mesh.points().to_vec(), worst }
     }
 
-    /// How far the prediction `found` (a point of B, or [`UNMATCHED`], per point of A) of each line is from the truth.
+    /// How far each prediction of `found` (a point of B, or [`UNMATCHED`], per point of A) of each line is from the truth.
     /// An unmatched point, or one on a piece that no path joins to the truth, has no distance; leaving it out would
-    /// reward silence, so it counts as the longest way there is on the mesh.
-    pub(super) fn errors(&self, truth: &Truth, found: &[u32]) -> Errors {
+    /// reward silence, so it counts as the longest way there is on the mesh. One search from a true point serves all of `found`.
+    pub(super) fn errors<const M: usize>(&self, truth: &Truth, found: [&[u32]; M]) -> [Errors; M] {
         let vertex = |target: u32| match &truth.vertex_of {
             Some(vertex_of) if target != UNMATCHED => vertex_of[target as usize],
             _ => target,
         };
-        let predicted: Vec<u32> = truth.lines.iter().map(|&(i, _)| vertex(found[i as usize])).collect();
-        let pairs: Vec<(u32, u32)> = predicted.iter().zip(&truth.lines).map(|(&p, &(_, t))| (p, t)).collect();
+        let predicted = found.map(|found| truth.lines.iter().map(|&(i, _)| vertex(found[i as usize])).collect());
+        let pairs: Vec<(u32, u32)> = predicted
+            .iter()
+            .flat_map(|predicted: &Vec<u32>| predicted.iter().zip(&truth.lines).map(|(&p, &(_, t))| (p, t)))
+            .collect();
         let mut each = point_errors(&self.distances, &pairs);
         each.iter_mut().filter(|e| e.is_infinite()).for_each(|e| *e = self.worst);
-        Errors { predicted, each }
+        let mut each = each.into_iter();
+        predicted.map(|predicted| Errors { each: each.by_ref().take(predicted.len()).collect(), predicted })
     }
 
     /// Whether the match as a whole is nearer to the mirrored truth, over the lines that have one: `mirrored` is (line, vertex).
@@ -159,7 +163,7 @@ mod tests {
         let ruler = Ruler::new(&ladders());
         let root_area = 38.0_f64.sqrt();
         // Right; two steps off; unmatched; on the other piece.
-        let errors = ruler.errors(&truth(&[(0, 0), (1, 4), (2, 4), (3, 4)]), &[0, 8, UNMATCHED, 70]);
+        let [errors] = ruler.errors(&truth(&[(0, 0), (1, 4), (2, 4), (3, 4)]), [&[0, 8, UNMATCHED, 70]]);
         let longest = 28.0 + 2.0_f64.sqrt();
         let wanted = [0.0, 2.0, longest, longest].map(|way| way / root_area);
         assert!(errors.each.iter().zip(wanted).all(|(e, w)| (e - w).abs() < 1e-12), "{:?} {wanted:?}", errors.each);
@@ -189,7 +193,7 @@ mod tests {
         let ruler = Ruler::new(&Shape::new(points, faces, None).expect("a mesh"));
         // The prediction is the first tip, the truth ten steps up its prong, the mirrored truth the tip of the other
         // prong.
-        let errors = ruler.errors(&truth(&[(0, 20)]), &[0]);
+        let [errors] = ruler.errors(&truth(&[(0, 20)]), [&[0]]);
         assert!(!ruler.is_flipped(&errors, &mirrored(&[118])));
         assert_eq!(ruler.flipped_points(&errors, &mirrored(&[118])), 0.0);
         // Nine steps up the same prong is nearer than ten.

@@ -26,9 +26,6 @@ impl EdgeDistances {
     }
 }
 
-/// How far predictions are looked for at first, in √area.
-const NEAR: f64 = 0.05;
-
 /// Mean distance from predicted to true points, divided by √area, times 100 (paper Sec. 4.2; distances by Dijkstra on
 /// mesh edges). `pairs` holds (predicted, true) indices on the mesh; a prediction out of range or in another piece
 /// counts as infinite.
@@ -43,23 +40,18 @@ pub fn point_errors(distances: &EdgeDistances, pairs: &[(u32, u32)]) -> Vec<f64>
     by_truth.sort_unstable_by_key(|&line| (pairs[line].1, pairs[line].0));
     let mut search = BoundedDijkstra::new(&distances.graph);
     let mut errors = vec![f64::INFINITY; pairs.len()];
+    let mut wanted = Vec::new();
     for row in by_truth.chunk_by(|&x, &y| pairs[x].1 == pairs[y].1) {
-        // Most predictions are near: look no farther than it takes.
-        let mut radius = NEAR * distances.root_area;
-        loop {
-            let reached = search.search(pairs[row[0]].1, radius);
-            let mut missing = false;
-            for &line in row {
-                let predicted = pairs[line].0;
-                if (predicted as usize) < distances.graph.len() {
-                    errors[line] = reached.to(predicted) / distances.root_area;
-                    missing |= errors[line].is_infinite();
-                }
-            }
-            if !missing || radius.is_infinite() {
-                break;
-            }
-            radius = if radius < distances.root_area { 4.0 * radius } else { f64::INFINITY };
+        let on_mesh = row.iter().filter(|&&line| (pairs[line].0 as usize) < distances.graph.len());
+        wanted.clear();
+        wanted.extend(on_mesh.clone().map(|&line| pairs[line].0));
+        wanted.dedup();
+        if wanted.is_empty() {
+            continue;
+        }
+        let reached = search.search_for(&wanted, pairs[row[0]].1, f64::INFINITY);
+        for &line in on_mesh {
+            errors[line] = reached.to(pairs[line].0) / distances.root_area;
         }
     }
     errors
