@@ -1,4 +1,6 @@
-// Every test there is, one suite after the other, each with a table of what took longest; `npm test -- crate page` runs only those.
+// Every test there is, in suites, each with a table of what took longest. `npm test` runs them in two lanes beside each other, and what measures time after
+// that, alone; `npm test -- crate page` runs only those, one after the other.
+import { fork } from 'node:child_process';
 import { readFileSync, readdirSync } from 'node:fs';
 import path from 'node:path';
 import { ensurePackages, isDebian } from './apt.mjs';
@@ -26,7 +28,18 @@ const SUITES = {
   wasm: testInBrowser,
   package: testPackage,
   page: testPage,
+  times: testTimes,
 };
+
+/** First what is soon over and makes files that others need. */
+const FIRST = ['check', 'scripts'];
+/**
+ * Then suites beside each other, each lane in its order: the one builds natively, the other for wasm32 and waits for browsers. The native program of the second
+ * is built last, from what the first has built by then.
+ */
+const LANES = [['crate'], ['wasm', 'package', 'page']];
+/** And then, alone, what measures time. */
+const LAST = ['times'];
 
 /** The tests of `crate`, run where one works on them. Only when asked for: they pass if those do. */
 const ON_REQUEST = { rust: () => testRust(root) };
@@ -110,9 +123,16 @@ const MEASURED = ['cancel.test.mjs', 'crash.test.mjs', 'plain.test.mjs', 'sample
 /** The tarball as customers install it: in Node, in bundlers, in a browser. */
 async function testPackage() {
   const tarball = await step('packing the package', packPackage);
-  const { browser } = ensureChromium();
-  return runNode('pkg-template/tests', { GEOSE_TARBALL: tarball, CHROME: browser }, MEASURED);
+  return runNode('pkg-template/tests', installed(tarball), (name) => !MEASURED.includes(name));
 }
+
+/** How soon the package answers, and what else is in the same files. */
+async function testTimes() {
+  const tarball = await step('packing the package', packPackage);
+  return runNode('pkg-template/tests', installed(tarball), (name) => MEASURED.includes(name), 1);
+}
+
+const installed = (tarball) => ({ GEOSE_TARBALL: tarball, CHROME: ensureChromium().browser });
 
 /** The built page in a real browser, its maps held against those of the native program that the crate was tested with. */
 async function testPage() {
@@ -131,40 +151,33 @@ async function testPage() {
   }
 }
 
-/** Runs the `*.test.mjs` of a folder, two at a time, and then those that are to be `alone`. */
-async function runNode(folder, variables = {}, alone = []) {
-  const files = readdirSync(path.join(root, folder)).filter((name) => name.endsWith('.test.mjs'));
-  if (files.length === 0) throw new Failure(`${folder} holds no *.test.mjs: nothing ran`);
-  const missing = alone.filter((name) => !files.includes(name));
-  if (missing.length > 0) throw new Failure(`${folder} holds no ${missing.join(', ')}`);
+/** Runs the `*.test.mjs` of a folder that are `wanted`, `beside` of them at a time. */
+async function runNode(folder, variables = {}, wanted = () => true, beside = 2) {
+  const files = readdirSync(path.join(root, folder)).filter((name) => name.endsWith('.test.mjs') && wanted(name));
+  if (files.length === 0) throw new Failure(`${folder} holds no *.test.mjs that is wanted: nothing ran`);
   const env = environment([], variables);
   const results = [];
-  const runFile = async (name, quiet) => {
-    const elapsed = stopwatch();
-    const file = path.join(folder, name);
-    results.push(await runSuite(process.execPath, ['--test', '--test-reporter=spec', file], env, { quiet }));
-    note(`all of ${file}`, elapsed().seconds);
-  };
-  const queue = files.filter((name) => !alone.includes(name)).sort();
+  const queue = files.sort();
   const work = async () => {
-    while (queue.length > 0) await runFile(queue.shift(), true);
+    while (queue.length > 0) {
+      const file = path.join(folder, queue.shift());
+      const elapsed = stopwatch();
+      results.push(await runSuite(process.execPath, ['--test', '--test-reporter=spec', file], env, { quiet: beside > 1 }));
+      note(`all of ${file}`, elapsed().seconds);
+    }
   };
-  await Promise.all([work(), work()]);
-  for (const name of alone) await runFile(name, false);
+  await Promise.all(Array.from({ length: beside }, work));
   return sumOf(results);
 }
 
-await main(import.meta, async (names) => {
-  const all = { ...SUITES, ...ON_REQUEST };
-  const unknown = names.filter((name) => !(name in all));
-  if (unknown.length > 0) throw new Failure(`No such suite: ${unknown.join(', ')}. There are ${Object.keys(all).join(', ')}.`);
-  wasmEnvironment();
+/** Runs suites one after the other; resolves to a line about each, and all counts. */
+async function runSuites(names) {
   const results = [];
   const lines = [];
-  for (const name of names.length > 0 ? names : Object.keys(SUITES)) {
+  for (const name of names) {
     say(`suite ${name}`);
     const elapsed = stopwatch();
-    const counts = await all[name]().catch((failure) => {
+    const counts = await { ...SUITES, ...ON_REQUEST }[name]().catch((failure) => {
       console.error(`✖ ${failure instanceof Failure ? failure.message : failure.stack}`);
       return { passed: 0, failed: 1, skipped: 0 };
     });
@@ -176,9 +189,44 @@ await main(import.meta, async (names) => {
     const seconds = `${Math.round(took.seconds)} s${ofProcessor(took)}`;
     lines.push(`${counts.failed > 0 ? '✖' : '✔'} ${name}: ${tell(counts)} in ${seconds}${remarks.join('')}`);
   }
-  const total = sumOf(results);
-  console.log(`\n${lines.join('\n')}\n${tell(total)}`);
-  if (total.failed > 0) process.exitCode = 1;
+  return { lines, counts: sumOf(results) };
+}
+
+/** A lane: a process of its own, as what builds keeps one from listening. What it prints comes when it is through, unless it is `heard` at once. */
+function runLane(names, heard) {
+  return new Promise((resolve) => {
+    const lane = fork(import.meta.filename, names, { stdio: ['ignore', heard ? 'inherit' : 'pipe', heard ? 'inherit' : 'pipe', 'ipc'] });
+    const text = [];
+    for (const stream of [lane.stdout, lane.stderr]) stream?.setEncoding('utf8').on('data', (chunk) => text.push(chunk));
+    let found = null;
+    lane.on('message', (message) => (found = message));
+    lane.on('close', (code, signal) => {
+      process.stdout.write(text.join(''));
+      const lost = `✖ ${names.join(', ')}: ended with ${signal ?? `exit code ${code}`} without a result`;
+      resolve(found ?? { lines: [lost], counts: { passed: 0, failed: 1, skipped: 0 } });
+    });
+  });
+}
+
+await main(import.meta, async (names) => {
+  const all = { ...SUITES, ...ON_REQUEST };
+  const unknown = names.filter((name) => !(name in all));
+  if (unknown.length > 0) throw new Failure(`No such suite: ${unknown.join(', ')}. There are ${Object.keys(all).join(', ')}.`);
+  const elapsed = stopwatch();
+  wasmEnvironment();
+  const found = [];
+  if (names.length > 0) found.push(await runSuites(names));
+  else {
+    // What both lanes would install is there before either begins.
+    ensureChromium();
+    found.push(await runSuites(FIRST));
+    found.push(...(await Promise.all(LANES.map((lane, i) => runLane(lane, i === 0)))));
+    found.push(await runSuites(LAST));
+  }
+  const total = { lines: found.flatMap(({ lines }) => lines), counts: sumOf(found.map(({ counts }) => counts)) };
+  if (process.send) process.send(total);
+  else console.log(`\n${total.lines.join('\n')}\n${tell(total.counts)} in ${Math.round(elapsed().seconds)} s`);
+  if (total.counts.failed > 0) process.exitCode = 1;
 });
 
 function tell({ passed, failed, skipped }) {

@@ -5,10 +5,9 @@ mod shapes;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use geose_fmap::device::Cpu;
 use geose_fmap::network::Model;
-use geose_fmap::pipeline::{DeviceChoice, Processor, match_with, prepare_with};
-use geose_fmap::{Category, MatchOptions, PrepareOptions, PreparedShape, Progress, Shape, Weights};
+use geose_fmap::pipeline::{DeviceChoice, Processor};
+use geose_fmap::{Category, Match, MatchOptions, Matcher, PrepareOptions, PreparedShape, Progress, Shape, Weights};
 use ndarray::{Array2, Axis};
 use pollster::block_on;
 
@@ -84,21 +83,26 @@ fn options() -> PrepareOptions {
     PrepareOptions { points: 1200, ..PrepareOptions::default() }
 }
 
-fn prepared(model: &Model, shape: Shape) -> PreparedShape {
-    block_on(prepare_with(model, shape, None, &options(), &mut Progress::silent())).expect("prepared")
+fn knowing<const N: usize>(weights: [Weights; N]) -> Matcher {
+    Matcher::with_weights(weights).expect("networks")
+}
+
+fn prepared(matcher: &Matcher, shape: Shape) -> PreparedShape {
+    matcher.prepare(shape, &options()).expect("prepared")
+}
+
+fn matched(matcher: &Matcher, a: &PreparedShape, b: &PreparedShape) -> Match {
+    matcher.match_shapes(a, b, &MatchOptions::default()).expect("matched")
 }
 
 #[test]
 fn renamed_parts_in_another_order_make_the_same_map_and_are_called_by_their_names() {
     let file = renamed().to_bytes(true).expect("bytes");
     let weights = Weights::from_bytes(&file).expect("read back");
-    let (own, other) = (Model::embedded(), Model::new(weights).expect("a network"));
+    let (own, other) = (Matcher::new(), knowing([weights]));
     let bodies = || [body("woman-standing.ply"), body("man-lunging.ply")];
-    let [of_own, of_other] = [&**own, &other].map(|model| bodies().map(|shape| prepared(model, shape)));
-    let found = |model: &Model, [a, b]: &[PreparedShape; 2]| {
-        block_on(match_with(model, a, b, &MatchOptions::default(), &mut Progress::silent())).expect("matched")
-    };
-    let (first, second) = (found(own, &of_own), found(&other, &of_other));
+    let [of_own, of_other] = [&own, &other].map(|matcher| bodies().map(|shape| prepared(matcher, shape)));
+    let (first, second) = (matched(&own, &of_own[0], &of_own[1]), matched(&other, &of_other[0], &of_other[1]));
     assert_eq!(first.a_to_b.target, second.a_to_b.target);
     assert_eq!((first.category.as_deref(), second.category.as_deref()), (Some("people"), Some("Leute")));
     assert_eq!(second.weights.as_ref().map(|id| (id.name.as_str(), id.version.as_str())), Some(("Koerper", "7")));
@@ -116,11 +120,10 @@ fn renamed_parts_in_another_order_make_the_same_map_and_are_called_by_their_name
 
 #[test]
 fn a_scan_prepared_with_other_weights_is_refused_by_their_names() {
-    let other = Model::new(renamed()).expect("a network");
-    let (a, b) = (prepared(Model::embedded(), body("woman-standing.ply")), prepared(&other, body("man-lunging.ply")));
-    for model in [&**Model::embedded(), &other] {
-        let refused = block_on(match_with(model, &a, &b, &MatchOptions::default(), &mut Progress::silent()));
-        let error = refused.expect_err("refused");
+    let (own, other) = (Matcher::new(), knowing([renamed()]));
+    let (a, b) = (prepared(&own, body("woman-standing.ply")), prepared(&other, body("man-lunging.ply")));
+    for matcher in [&own, &other] {
+        let error = matcher.match_shapes(&a, &b, &MatchOptions::default()).expect_err("refused");
         assert_eq!(error.code(), "other-weights");
         assert!(error.to_string().contains("\"bodies\" 3") && error.to_string().contains("\"Koerper\" 7"), "{error}");
     }
@@ -131,38 +134,33 @@ fn a_scan_prepared_with_other_weights_is_refused_by_their_names() {
 #[test]
 fn of_several_categories_the_one_at_home_with_the_pair_is_taken_and_said() {
     for order in [[true, false], [false, true]] {
-        let weights = order.map(|own| Arc::new(if own { embedded().clone() } else { clueless() }));
-        let both = Model::on(weights, Cpu).expect("two networks");
+        let both = knowing(order.map(|own| if own { embedded().clone() } else { clueless() }));
         let [a, b] = [body("woman-standing.ply"), body("man-lunging.ply")].map(|shape| prepared(&both, shape));
         assert_eq!((a.embeddings.len(), a.category().expect("one").name.as_str()), (2, "people"));
-        let found = block_on(match_with(&both, &a, &b, &MatchOptions::default(), &mut Progress::silent()));
-        let found = found.expect("matched");
+        let found = matched(&both, &a, &b);
         assert_eq!(found.category.as_deref(), Some("people"));
         assert_eq!(found.weights.as_ref(), Some(&embedded().id()));
         let back = PreparedShape::from_bytes(&a.to_bytes().expect("bytes")).expect("read back");
         assert_eq!(back, a);
         // What was prepared with both can be matched with either.
-        let alone = block_on(match_with(Model::embedded(), &a, &b, &MatchOptions::default(), &mut Progress::silent()));
-        assert_eq!(alone.expect("matched").a_to_b, found.a_to_b);
+        assert_eq!(matched(&Matcher::new(), &a, &b).a_to_b, found.a_to_b);
     }
 }
 
 #[test]
 fn a_category_without_thresholds_matches_alone_and_comes_after_one_that_is_at_home() {
     let bodies = || [body("woman-standing.ply"), body("man-lunging.ply")];
-    let alone = Model::new(unfitted()).expect("a network");
+    let alone = knowing([unfitted()]);
     let [a, b] = bodies().map(|shape| prepared(&alone, shape));
-    let found = block_on(match_with(&alone, &a, &b, &MatchOptions::default(), &mut Progress::silent()));
-    let found = found.expect("matched");
+    let found = matched(&alone, &a, &b);
     assert_eq!(found.category.as_deref(), Some("scans"));
     assert!(found.a_to_b.confidence.iter().all(|c| (0.0..=1.0).contains(c)));
     assert_eq!(a.info.unit, None, "how large such scans are is not known");
 
-    let both = Model::on([unfitted(), embedded().clone()].map(Arc::new), Cpu).expect("two networks");
+    let both = knowing([unfitted(), embedded().clone()]);
     let [a, b] = bodies().map(|shape| prepared(&both, shape));
     assert_eq!((a.category().expect("one").name.as_str(), a.info.unit.as_deref()), ("people", Some("m")));
-    let found = block_on(match_with(&both, &a, &b, &MatchOptions::default(), &mut Progress::silent()));
-    assert_eq!(found.expect("matched").category.as_deref(), Some("people"));
+    assert_eq!(matched(&both, &a, &b).category.as_deref(), Some("people"));
 }
 
 #[test]

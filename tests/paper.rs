@@ -12,7 +12,6 @@ use std::sync::atomic::{AtomicBool, AtomicUsize};
 use geose_fmap::device::{Cpu, Device, Mask};
 use geose_fmap::maps::FunctionalMap;
 use geose_fmap::network::{Encoding, Model, ModelConfig, Network, Norm, Solver, Source, Start, WeightsError};
-use geose_fmap::pipeline::{match_with, prepare_with};
 use geose_fmap::train::bodies::BodyModel;
 use geose_fmap::train::bodies::parts::{PARTS, people};
 use geose_fmap::train::device::matrix;
@@ -23,7 +22,7 @@ use geose_fmap::train::pool::{Maker, Pool, SampleConfig, Stand};
 use geose_fmap::train::run::{RunConfig, train};
 use geose_fmap::train::sample::Sample;
 use geose_fmap::train::step::{embed, embed_together};
-use geose_fmap::{MatchOptions, Parts, PrepareOptions, Progress, Refinement, Shape, Weights};
+use geose_fmap::{MatchOptions, Matcher, Parts, PrepareOptions, Refinement, Shape, Weights};
 use ndarray::{Array2, Axis, array, s};
 use pollster::block_on;
 use rand::SeedableRng;
@@ -262,11 +261,10 @@ fn least_squares_find_the_map_that_descriptors_agree_on() {
 fn the_first_maps_are_of_120_eigenfunctions() {
     let config = network();
     let match_of = |config: &ModelConfig| {
-        let model = Model::new(weights(config)).expect("a network");
+        let matcher = Matcher::with_weights([weights(config)]).expect("a network");
         let options = PrepareOptions { points: 500, ..PrepareOptions::default() };
-        let [a, b] = ["woman-standing.ply", "man-lunging.ply"].map(|name| {
-            block_on(prepare_with(&model, scan(name), None, &options, &mut Progress::silent())).expect("prepared")
-        });
+        let [a, b] = ["woman-standing.ply", "man-lunging.ply"]
+            .map(|name| matcher.prepare(scan(name), &options).expect("prepared"));
         assert_eq!(a.embeddings[0].features.ncols(), config.feature_columns());
         let options = MatchOptions {
             parts: Parts::Given,
@@ -274,7 +272,7 @@ fn the_first_maps_are_of_120_eigenfunctions() {
             network_only: true,
             ..MatchOptions::default()
         };
-        block_on(match_with(&model, &a, &b, &options, &mut Progress::silent())).expect("matched").c_ab.matrix
+        matcher.match_shapes(&a, &b, &options).expect("matched").c_ab.matrix
     };
     let least_squares = match_of(&config);
     assert_eq!(least_squares.dim(), (120, 120));
