@@ -1,12 +1,14 @@
 // What each piece of the method is worth (the paper's Table 3, on our data) → benches/results/ablations.md. Every variant trains for the same time, from
-// nothing, once with each seed: `npm run ablate -- --minutes 10`. What an earlier call trained, or measured with the same program, is not done again.
+// nothing, once with each seed, one run per core: `npm run ablate -- --minutes 10`. What an earlier call trained, or measured with the same program, is not done
+// again; `--only-train` leaves measuring to a later call.
 import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
+import os from 'node:os';
 import path from 'node:path';
 import { isDeepStrictEqual, parseArgs } from 'node:util';
 import { evaluationSets, markdown, meanError, number, programCommit, programHash, share } from './evaluate.mjs';
 import { buildNative, nativeProgram } from './native.mjs';
-import { Failure, main, root, run, say } from './run.mjs';
-import { bodyData, runTrainer } from './train.mjs';
+import { Failure, main, root, run, say, start } from './run.mjs';
+import { bodyData, buildTrainer, runTrainer, trainerEnvironment } from './train.mjs';
 
 const TABLE = path.join(root, 'benches/results/ablations.md');
 /** Stands above what this script leaves alone. */
@@ -18,7 +20,7 @@ const HELD_OUT = '36';
 const KEY = ['variant', 'parts', 'minutes', 'bodies', 'pairs', 'seeds'];
 const HEAD = [
   ...[...KEY, 'sources', 'commit'],
-  ...SETS.flatMap((set) => ['mesh', 'cloud'].flatMap((mode) => [`${set}, ${mode}`, 'refined'])),
+  ...SETS.flatMap((set) => ['mesh', 'cloud'].map((mode) => `${set}, ${mode}`)),
   'parts agree',
 ];
 const losses = (changes) => ({ run: { losses: changes } });
@@ -64,34 +66,55 @@ const learnsParts = ({ run, paper }) => !paper && run?.losses?.parts !== 0;
 /** Which labels the matches of a variant use, one row each. */
 export const partsOf = (variant) => variant.parts ?? [learnsParts(variant) ? 'predicted' : 'given'];
 
-/** Trains a variant from a seed; returns its weights, and the commit that they were trained at. */
-function train(name, variant, { minutes, bodies, folder, seed }) {
-  const { run: changes = {}, network = {}, laplacian, paper, points, teacher } = variant;
+/** Where a run lies, and what is known of it. */
+function runOf(name, variant, folder, seed) {
   const out = path.join(folder, name.replaceAll(/\W+/g, '-'), `seed-${seed}`);
-  const weights = path.join(out, 'weights.safetensors');
   const done = path.join(out, 'done.json');
   const known = existsSync(done) ? JSON.parse(readFileSync(done, 'utf8')) : {};
-  if (isDeepStrictEqual(known.variant, variant)) return { weights, commit: known.commit };
-  rmSync(out, { recursive: true, force: true });
-  const kind = [paper && 'alike', teacher && 'places', laplacian, network.encoding && `encoding-${network.encoding}`].filter(Boolean);
-  const samples = path.join(root, 'runs', ['samples', ...kind].join('-'));
-  const trainer = (...more) =>
-    runTrainer('train', [
-      ...['--data', bodyData(), '--out', out, '--samples', samples, '--bodies', bodies],
-      ...['--run', JSON.stringify({ ...changes, minutes, name, seed }), '--network', JSON.stringify(network)],
-      ...(laplacian ? ['--laplacian', laplacian] : []),
-      ...(paper ? ['--paper'] : []),
-      ...(points ? ['--points', points] : []),
-      ...(teacher ? ['--teacher', teacher] : []),
-      ...more,
-    ]);
-  say(`${name}: ${bodies} bodies`);
-  trainer('--only-samples');
-  say(`${name}: ${minutes} minutes, seed ${seed}`);
-  const commit = programCommit();
-  trainer();
-  writeFileSync(done, JSON.stringify({ variant, commit }));
-  return { weights, commit };
+  const trained = isDeepStrictEqual(known.variant, variant);
+  return { out, done, weights: path.join(out, 'weights.safetensors'), commit: trained ? known.commit : null };
+}
+
+/** Trains the variants that are called `names` with every seed, as far as that was not done before. */
+async function trainAll(names, { minutes, bodies, folder, seeds }) {
+  const program = buildTrainer('train');
+  const runs = names.flatMap((name) =>
+    seeds.map((seed) => ({ name, seed, variant: VARIANTS[name], ...runOf(name, VARIANTS[name], folder, seed) })),
+  );
+  const left = runs.filter(({ commit }) => commit === null);
+  const options = ({ name, seed, variant, out }) => {
+    const { run: changes = {}, network = {}, laplacian, paper, points, teacher } = variant;
+    const kind = [paper && 'alike', teacher && 'places', laplacian, network.encoding && `encoding-${network.encoding}`].filter(Boolean);
+    const samples = path.join(root, 'runs', ['samples', ...kind].join('-'));
+    return {
+      samples,
+      args: [
+        ...['--data', bodyData(), '--out', out, '--samples', samples, '--bodies', bodies],
+        ...['--run', JSON.stringify({ ...changes, minutes, name, seed }), '--network', JSON.stringify(network)],
+        ...(laplacian ? ['--laplacian', laplacian] : []),
+        ...(paper ? ['--paper'] : []),
+        ...(points ? ['--points', points] : []),
+        ...(teacher ? ['--teacher', teacher] : []),
+      ],
+    };
+  };
+  // Samples first, so that no run waits for them; each folder of them once.
+  const cores = os.availableParallelism();
+  const folders = new Map(left.map((one) => [options(one).samples, options(one).args]));
+  for (const [samples, args] of folders) {
+    say(`${bodies} bodies in ${path.relative(root, samples)}`);
+    run(program, [...args, '--only-samples', '--makers', `${cores}`], { env: trainerEnvironment() });
+  }
+  const work = async () => {
+    for (let one = left.shift(); one; one = left.shift()) {
+      rmSync(one.out, { recursive: true, force: true });
+      say(`${one.name}: ${minutes} minutes, seed ${one.seed}`);
+      const commit = programCommit();
+      await start(program, options(one).args, { env: trainerEnvironment() });
+      writeFileSync(one.done, JSON.stringify({ variant: one.variant, commit }));
+    }
+  };
+  await Promise.all(Array.from({ length: cores }, work));
 }
 
 /** One measurement of weights. */
@@ -103,7 +126,7 @@ function measure(weights, variant, { dataset, mode, parts, limit }) {
     const laplacian = variant.laplacian ?? (learnsParts(variant) ? undefined : 'geodesic');
     const operator = laplacian && mode === 'cloud' ? ['--laplacian', laplacian] : [];
     const what = ['--dataset', dataset, '--mode', mode, '--parts', parts, '--limit', limit, '--weights', weights, ...operator];
-    run(nativeProgram, ['evaluate', '--network-only', ...what, '--json', `${file}.part`]);
+    run(nativeProgram, ['evaluate', '--network-only', '--refine', 'none', ...what, '--json', `${file}.part`]);
     renameSync(`${file}.part`, file);
   }
   return JSON.parse(readFileSync(file, 'utf8'));
@@ -121,10 +144,7 @@ function overSeeds(found, value, digits, shown = (one) => digits(value(one))) {
 /** Figures of a row: of each measurement (a set in a mode) what every seed gave. */
 export function figures(measurements) {
   const two = (value) => number(value, 2);
-  const errors = measurements.flatMap((found) => [
-    overSeeds(found, (one) => one.age_raw, two),
-    overSeeds(found, (one) => one.age, two, meanError),
-  ]);
+  const errors = measurements.map((found) => overSeeds(found, (one) => one.age, two, meanError));
   return [...errors, overSeeds(measurements.at(-1), (one) => one.part_agreement, share)];
 }
 
@@ -140,8 +160,8 @@ export function updated(text, rows) {
   return `# What each piece is worth
 
 \`npm run ablate\` trains every variant from nothing at the commit named, for so many minutes on so many bodies with each of so many seeds, and measures it with
-\`--network-only\`: no map made without the network takes the place of a bad one. Mean geodesic errors ×100/√area, before and after refinement: the mean over seeds,
-then that of each seed, after refinement with the 95 % interval of a bootstrap that draws sources, each with all its pairs. Sources are those of ${SETS.join(' and ')}. Where parts are predicted, "parts agree"
+\`--network-only --refine none\`: no map made without the network takes the place of a bad one, and refinement, which hides much of what tells variants apart, takes no part.
+Mean geodesic errors ×100/√area: the mean over seeds, then that of each seed with the 95 % interval of a bootstrap that draws sources, each with all its pairs. Sources are those of ${SETS.join(' and ')}. Where parts are predicted, "parts agree"
 is the share of true pairs of faust_r clouds whose two points have the same predicted part; no map enters. A network that does not learn parts is given the
 set's labels, in attention as the paper's is and to keep points in their part; "as it ships" stands there with given labels too, for comparison.
 
@@ -150,7 +170,7 @@ ${markdown(HEAD, [...new Map(all).values()])}
 ${MARKER}${notes ?? '\n'}`;
 }
 
-await main(import.meta, (args) => {
+await main(import.meta, async (args) => {
   let options;
   try {
     options = parseArgs({
@@ -161,11 +181,12 @@ await main(import.meta, (args) => {
         limit: { type: 'string' },
         seeds: { type: 'string' },
         only: { type: 'string', multiple: true },
+        'only-train': { type: 'boolean' },
       },
     }).values;
   } catch (error) {
     throw new Failure(
-      `${error.message}\nOptions: --minutes N for each variant, --bodies N to train on, --limit N pairs of each set, --seeds N to train each variant with, --only NAME of a variant (more than once).`,
+      `${error.message}\nOptions: --minutes N for each variant, --bodies N to train on, --limit N pairs of each set, --seeds N to train each variant with, --only NAME of a variant (more than once), --only-train.`,
     );
   }
   const minutes = Number(options.minutes ?? 10);
@@ -177,15 +198,19 @@ await main(import.meta, (args) => {
   const page = () => (existsSync(TABLE) ? readFileSync(TABLE, 'utf8') : '');
   // A page that rows cannot be added to is refused before anything is trained.
   updated(page(), []);
+  const names = options.only ?? Object.keys(VARIANTS);
   const folder = path.join(root, `runs/ablations-${minutes}-${bodies}`);
+  const numbers = Array.from({ length: Number(seeds) }, (_, i) => i + 1);
+  await trainAll(names, { minutes, bodies, folder, seeds: numbers });
+  if (options['only-train']) return;
   const held = path.join(root, `runs/held-out-${HELD_OUT}`);
   if (!existsSync(path.join(held, 'pairs.txt')))
     runTrainer('bodies', ['set', '--data', bodyData(), '--out', held, '--seed', '900001', '--count', HELD_OUT]);
   const sets = SETS.map((set) => (set === 'held-out' ? held : path.join(evaluationSets(), set)));
   buildNative();
-  for (const name of options.only ?? Object.keys(VARIANTS)) {
+  for (const name of names) {
     const variant = VARIANTS[name];
-    const trained = Array.from({ length: Number(seeds) }, (_, i) => train(name, variant, { minutes, bodies, folder, seed: i + 1 }));
+    const trained = numbers.map((seed) => runOf(name, variant, folder, seed));
     const commit = [...new Set(trained.map((one) => one.commit))].join(', ');
     const commits = commit === programCommit() ? commit : `${commit}, measured at ${programCommit()}`;
     for (const parts of partsOf(variant)) {

@@ -13,6 +13,11 @@ export async function check() {
   const clippy = (args, env) => run('cargo', ['clippy', '--quiet', '--locked', ...args, '--', '-D', 'warnings'], { env });
   const checks = {
     'cargo fmt': () => run('cargo', ['fmt', '--check']),
+    // Types first: the package that they are of is made anew by suites that run beside this.
+    'types of the package': compilePackage,
+    'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),
+    prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),
+    licences: checkLicences,
     clippy: () => clippy(['--all-targets']),
     'clippy with trainer and GPU': () => clippy(['--all-targets', '--features', 'train,gpu']),
     'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),
@@ -22,10 +27,6 @@ export async function check() {
       run('cargo', ['doc', '--quiet', '--locked', '--no-deps', '--features', 'train,gpu'], {
         env: environment([], { RUSTDOCFLAGS: '-D warnings' }),
       }),
-    'types of the package': compilePackage,
-    'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),
-    prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),
-    licences: checkLicences,
   };
   const counts = { passed: 0, failed: 0, skipped: 0 };
   for (const [name, action] of Object.entries(checks)) {

@@ -1,5 +1,5 @@
 // Running other programs: where the workspace is, what a failed program looks like, how a script starts.
-import { spawnSync } from 'node:child_process';
+import { spawn, spawnSync } from 'node:child_process';
 import { accessSync, constants } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -19,6 +19,16 @@ export function run(program, args, { env = environment(), cwd = root, timeout } 
     stdio: ['ignore', 'inherit', 'inherit'],
   });
   if (status !== 0) throw new Failure(`${program} ${args.join(' ')}: ${error?.message ?? signal ?? `exit code ${status}`}`);
+}
+
+/** The same beside others: resolves when it has ended. */
+export function start(program, args, { env = environment(), cwd = root } = {}) {
+  return new Promise((resolve, reject) => {
+    const fail = (why) => reject(new Failure(`${program} ${args.join(' ')}: ${why}`));
+    const child = spawn(program, args, { cwd, env, stdio: ['ignore', 'inherit', 'inherit'] });
+    child.on('error', (error) => fail(error.message));
+    child.on('close', (status, signal) => (status === 0 ? resolve() : fail(signal ?? `exit code ${status}`)));
+  });
 }
 
 /** What a program wrote to standard output, trimmed; `null` when it is missing or fails. */

@@ -31,14 +31,15 @@ const SUITES = {
   times: testTimes,
 };
 
-/** First what is soon over and makes files that others need. */
-const FIRST = ['check', 'scripts'];
 /**
- * Then suites beside each other, each lane in its order: the one builds natively, the other for wasm32 and waits for browsers. The native program of the second
+ * Suites that run beside each other, each lane in its order: the one builds natively, the other for wasm32 and waits for browsers. The native program of the second
  * is built last, from what the first has built by then.
  */
-const LANES = [['crate'], ['wasm', 'package', 'page']];
-/** And then, alone, what measures time. */
+const LANES = [
+  ['check', 'scripts', 'crate'],
+  ['wasm', 'package', 'page'],
+];
+/** What measures time runs after that, alone. */
 const LAST = ['times'];
 
 /** The tests of `crate`, run where one works on them. Only when asked for: they pass if those do. */
@@ -219,7 +220,6 @@ await main(import.meta, async (names) => {
   else {
     // What both lanes would install is there before either begins.
     ensureChromium();
-    found.push(await runSuites(FIRST));
     found.push(...(await Promise.all(LANES.map((lane, i) => runLane(lane, i === 0)))));
     found.push(await runSuites(LAST));
   }

@@ -32,15 +32,19 @@ export function bodyData() {
   return presentBodyData();
 }
 
-/** Runs one of the programs that need the body data, `train` or `bodies`. */
+/** Its matrix products are small: more threads only wait for each other. The processor's own instructions are worth a third. */
+export const trainerEnvironment = () =>
+  environment([], { RAYON_NUM_THREADS: '1', RUSTFLAGS: '-C target-cpu=native', CARGO_TARGET_DIR: path.join(root, 'target/train') });
+
+/** Builds one of the programs that need the body data, `train` or `bodies`; returns where it is. */
+export function buildTrainer(program) {
+  run('cargo', ['build', '--release', '--locked', '--features', 'train', '--bin', program], { env: trainerEnvironment() });
+  return path.join(root, 'target/train/release', program);
+}
+
+/** Runs one of them. */
 export function runTrainer(program, args) {
-  // Its matrix products are small: more threads only wait for each other. The processor's own instructions are worth a third.
-  const env = environment([], {
-    RAYON_NUM_THREADS: '1',
-    RUSTFLAGS: '-C target-cpu=native',
-    CARGO_TARGET_DIR: path.join(root, 'target/train'),
-  });
-  run('cargo', ['run', '--release', '--locked', '--features', 'train', '--bin', program, '--', ...args], { env });
+  run(buildTrainer(program), args, { env: trainerEnvironment() });
 }
 
 await main(import.meta, (args) => {

@@ -13,7 +13,8 @@ use geose_fmap::train::bodies::parts::PARTS;
 use geose_fmap::train::bodies::pose::{Arm, Pose};
 use geose_fmap::train::bodies::scan::ScanOptions;
 use geose_fmap::train::bodies::shape_mixture::Person;
-use geose_fmap::train::pool::{ATLAS_POINTS, Maker, Pool, SampleConfig};
+use geose_fmap::train::pool::{ATLAS_POINTS, Maker, Pool};
+use geose_fmap::train::sample_config::SampleConfig;
 use geose_fmap::{PrepareOptions, Progress, read};
 use ndarray::ArrayView1;
 

@@ -22,8 +22,9 @@ use geose_fmap::train::bodies::shape_mixture::Person;
 use geose_fmap::train::folds::cross_validate;
 use geose_fmap::train::labelled::LabelledScans;
 use geose_fmap::train::losses::LossWeights;
-use geose_fmap::train::pool::{ATLAS_POINTS, Maker, MakesSamples, Pool, SampleConfig};
+use geose_fmap::train::pool::{ATLAS_POINTS, Maker, MakesSamples, Pool};
 use geose_fmap::train::run::{RunConfig, train};
+use geose_fmap::train::sample_config::SampleConfig;
 use geose_fmap::{LaplacianKind, Weights};
 
 #[derive(Parser)]

@@ -1,9 +1,9 @@
 //! `geose-fmap evaluate --dataset DIR --mode mesh|cloud|mesh-cloud`
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::arguments::{Failure, Preparing, Running, parse, write};
 use super::map_file::check_folder;
-use super::{Failure, PathBuf, Preparing, Running, parse, write};
 use crate::evaluate::{Mode, Rotate, Task, evaluate};
 use crate::pipeline::Parts;
 use crate::registration::Refinement;

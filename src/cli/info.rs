@@ -1,10 +1,12 @@
 //! `geose-fmap info A [--json]`
 
+use std::path::PathBuf;
+
 use std::io::{ErrorKind, Write as _};
 
 use serde_json::Value;
 
-use super::{Failure, PathBuf, Preparing, Running, prepare_scan};
+use super::arguments::{Failure, Preparing, Running, prepare_scan};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {

@@ -1,12 +1,14 @@
 //! `geose-fmap laplacian A -o l.mtx`: every point counts, whatever `--points` says.
 
+use std::path::PathBuf;
+
 use std::fmt::Write as _;
 
-use super::WrongUse;
+use super::arguments::{Failure, Preparing, Running, WrongUse, read_scan, write};
 use super::map_file::check_folder;
-use super::{Failure, PathBuf, Preparing, Progress, Running, read_scan, write};
 use crate::operators::{LaplacianBuilder, OperatorError, default_kind};
 use crate::pipeline::OptionError;
+use crate::progress::Progress;
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {

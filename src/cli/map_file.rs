@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::arguments::{Failure, write};
 use super::colour::correspondence_colours;
-use super::{Failure, write};
 use crate::maps::UNMATCHED;
 use crate::network::WeightsId;
 use crate::pipeline::{DeviceKind, ShapeKind};

@@ -1,7 +1,9 @@
 //! `geose-fmap match A B -o map.csv`
 
+use std::path::PathBuf;
+
+use super::arguments::{Failure, Preparing, Running, parse, prepare_scan};
 use super::map_file::{MapFile, Outcome};
-use super::{Failure, PathBuf, Preparing, Running, parse, prepare_scan};
 use crate::maps::UNMATCHED;
 use crate::pipeline::{MatchOptions, Parts};
 use crate::progress::{Progress, Stage};

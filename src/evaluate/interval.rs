@@ -1,4 +1,4 @@
-//! How sure a mean over pairs is: pairs with one source stand or fall together, so it is sources that are drawn again. Cluster bootstrap (Field & Welsh
+//! Means, and how sure one over pairs is: pairs with one source stand or fall together, so it is sources that are drawn again. Cluster bootstrap (Field & Welsh
 //! 2007, "Bootstrapping clustered data"), percentile interval (Efron & Tibshirani 1993, ch. 13).
 
 use std::collections::BTreeMap;
@@ -9,6 +9,12 @@ use super::random::SplitMix64;
 const RESAMPLES: usize = 4000;
 /// Where each call begins, so that the same pairs have the same interval.
 const SEED: u64 = 95;
+
+/// Nothing of no values.
+pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
 
 /// The 95 % interval of the mean over pairs, in the unit of the values: between which means 95 % of the samples lie that have as many sources, drawn
 /// with replacement, each with all of its pairs. `values` are (source, value of the pair). Nothing from a single source, which does not show how

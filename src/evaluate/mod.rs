@@ -42,7 +42,7 @@ use calibration::{Judged, RIGHT, area_under_curve, calibration_error};
 use cores::on_all_cores;
 use dataset::{DataSet, Labelled};
 pub use error::EvaluationError;
-use interval::interval;
+use interval::{interval, mean};
 use overlap::Overlap;
 use part_classes::class_of_parts;
 pub use report::{Evaluation, PairResult, Pieces};
@@ -370,9 +370,4 @@ fn summary(
         seconds_per_pair: over_pairs(&|m| m.seconds),
         per_pair: measured.into_iter().map(|m| m.result).collect(),
     }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / count as f64)
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::mean;
+use super::interval::mean;
 use crate::maps::UNMATCHED;
 
 /// What is said of the template points on A, of which some are on B too, and have a partner, and the others are alone. A point is said to be alone when

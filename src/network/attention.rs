@@ -3,8 +3,9 @@
 //! The paper masks with given labels, which uploads do not have. Here the mask is the logarithm of the probability that two points share a part, by the
 //! predicted probabilities; given labels are probabilities of 0 and 1. [`Mask`] says what becomes of points that share none.
 
+use super::error::WeightsError;
 use super::layers::{LayerNorm, Linear};
-use super::weights::{Source, WeightsError};
+use super::weights::Source;
 use crate::device::{Device, Mask};
 
 /// Cross-attention of one shape's points to the key points of the other.

@@ -4,7 +4,8 @@
 
 use ndarray::Array2;
 
-use super::weights::{Source, Start, WeightsError};
+use super::error::WeightsError;
+use super::weights::{Source, Start};
 use crate::device::Device;
 
 /// Gain and bias of each channel, and its mean and variance as training saw them.

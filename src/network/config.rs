@@ -2,8 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::inputs::encoded_channels;
 use crate::device::Mask;
+
+/// Wavelengths of the position encoding (paper Sec. 3.3, ψ), in √area.
+pub(super) const WAVELENGTHS: [f32; 3] = [4.0, 2.0, 1.0];
+/// Times of the heat kernel signature.
+pub(super) const SIGNATURES: usize = 8;
 
 /// Everything that decides which tensors a network has and what is done with them. Travels in the header of a weights file, where what is left out is as in the
 /// network that ships.
@@ -182,6 +186,23 @@ impl ModelConfig {
             Encoding::Input => self.features,
             Encoding::Features => self.features + encoded_channels(self.position),
         }
+    }
+}
+
+/// Columns d' of ψ: sine and cosine of each wavelength.
+pub(super) fn encoded_channels(position: Position) -> usize {
+    let numbers = match position {
+        Position::Invariant => 1,
+        Position::Literal => 3,
+    };
+    2 * WAVELENGTHS.len() * numbers
+}
+
+/// Channels that the DiffusionNet sees: where ψ joins after it, none that depends on where the points are.
+pub(super) fn input_channels(config: &InputConfig) -> usize {
+    match config.encoding {
+        Encoding::Input => SIGNATURES + 2 + encoded_channels(config.position),
+        Encoding::Features => SIGNATURES,
     }
 }
 

@@ -5,10 +5,11 @@
 //! ([`Norm::Batch`](super::Norm::Batch)).
 
 use super::batch_norm::{BatchNorm, Points, Statistics};
+use super::error::WeightsError;
 use super::inputs::InputsOn;
 use super::layers::{LayerNorm, Linear};
 use super::moments::{Moments, moment_channels};
-use super::weights::{Source, Start, WeightsError};
+use super::weights::{Source, Start};
 use super::{ModelConfig, Norm};
 use crate::device::Device;
 

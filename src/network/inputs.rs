@@ -2,17 +2,14 @@
 
 use ndarray::{Array2, ArrayView1, ArrayView2, ArrayViewMut1, Axis, s};
 
+use super::config::{SIGNATURES, WAVELENGTHS, encoded_channels, input_channels};
 use super::{Encoding, InputConfig, Position};
 use crate::descriptors::heat_kernel_signature;
 use crate::device::Device;
 use crate::spectrum::SpectralBasis;
 
-/// Wavelengths of the position encoding (paper Sec. 3.3, ψ), in √area.
-const WAVELENGTHS: [f32; 3] = [4.0, 2.0, 1.0];
 /// Times of the heat kernel, in units of the area, logarithmic.
 const TIMES: [f64; 2] = [1e-3, 0.2];
-/// Number of times.
-const SIGNATURES: usize = 8;
 
 /// A shape of unit area as the network sees it, n points and k eigenfunctions.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,23 +30,6 @@ pub struct ShapeInputs {
     pub lambda: Array2<f32>,
     /// ψ of the positions (n, d') where it joins after the DiffusionNet ([`Encoding::Features`]).
     pub encoded: Option<Array2<f32>>,
-}
-
-/// Columns d' of ψ: sine and cosine of each wavelength.
-pub(super) fn encoded_channels(position: Position) -> usize {
-    let numbers = match position {
-        Position::Invariant => 1,
-        Position::Literal => 3,
-    };
-    2 * WAVELENGTHS.len() * numbers
-}
-
-/// Channels that the DiffusionNet sees: where ψ joins after it, none that depends on where the points are.
-pub(super) fn input_channels(config: &InputConfig) -> usize {
-    match config.encoding {
-        Encoding::Input => SIGNATURES + 2 + encoded_channels(config.position),
-        Encoding::Features => SIGNATURES,
-    }
 }
 
 /// ψ of one point: sines and cosines.

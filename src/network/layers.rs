@@ -1,6 +1,7 @@
 //! Layers without a shape: the same for every point.
 
-use super::weights::{Source, Start, WeightsError};
+use super::error::WeightsError;
+use super::weights::{Source, Start};
 use crate::device::Device;
 
 /// x W + b, or x W.

@@ -4,9 +4,10 @@
 //! alike. The triple product of three vectors changes its sign. Each of the q learned weightings a of the points gives a vector G = Σ mass·a·x; every
 //! point x then gets x·G_i and x·(G_i × G_j): invariant under rotation, odd under mirroring, without normals or aligned axes.
 
+use super::error::WeightsError;
 use super::inputs::InputsOn;
 use super::layers::Linear;
-use super::weights::{Source, WeightsError};
+use super::weights::Source;
 use crate::device::Device;
 
 /// Learned weightings.

@@ -2,8 +2,9 @@
 
 use super::attention::PartAttention;
 use super::batch_norm::{Points, Statistics};
+use super::config::input_channels;
 use super::diffusion_net::{DiffusionBlock, Going};
-use super::inputs::{InputsOn, input_channels};
+use super::inputs::InputsOn;
 use super::layers::{LayerNorm, Linear};
 use super::{ModelConfig, Norm, Source, WeightsError};
 use crate::device::Device;

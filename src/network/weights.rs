@@ -8,13 +8,8 @@ use ndarray::{Array2, ArrayView2};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use serde::{Deserialize, Serialize};
 
-use super::{Category, ModelConfig};
+use super::{Category, ModelConfig, WeightsError};
 use crate::device::Device;
-
-/// Why weights cannot be used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("these weights cannot be used: {0}")]
-pub struct WeightsError(pub String);
 
 /// Which weights: a prepared shape remembers those that looked at it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! The method, in order. The only room that knows it: [`prepare`] takes a scan to what can be matched, [`match_shapes`] two of these to a correspondence.
 
 mod block;
+mod choice;
 mod contact;
 mod error;
 mod geometry;
@@ -16,6 +17,7 @@ mod thinned;
 mod warnings;
 
 pub use block::BlockError;
+pub use choice::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse};
 pub use error::{Error, Result};
 pub use matcher::Matcher;
 #[cfg(feature = "train")]
@@ -26,5 +28,5 @@ pub use options::{FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 pub(crate) use prepare::{network_inputs, prepare_with_carriers};
 pub use prepare::{prepare, prepare_with};
 pub use prepared::{Info, PreparedShape, ShapeKind};
-pub use processor::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse, Processor};
+pub use processor::Processor;
 pub use warnings::Warning;

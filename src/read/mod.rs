@@ -3,6 +3,7 @@
 //! Every reader bounds what it allocates by the bytes that are there, never by a count the file claims, and says where it
 //! stopped. Point `i` of the shape is point `i` of the file.
 
+mod draft;
 mod error;
 mod format;
 mod gltf;
@@ -17,16 +18,8 @@ mod text;
 pub use error::ReadError;
 pub use format::Format;
 
-use crate::shape::{Axis, Repair, Shape};
-
-/// What a file says, before it is validated as a shape.
-#[derive(Debug, Default)]
-struct Draft {
-    points: Vec<[f64; 3]>,
-    faces: Vec<[u32; 3]>,
-    labels: Option<Vec<u32>>,
-    repairs: Vec<Repair>,
-}
+use crate::shape::{Axis, Shape};
+use draft::Draft;
 
 /// The triangles of an OFF in the order of its file, also those that a shape leaves out: ground truth may name faces by number.
 #[cfg(all(feature = "cli", not(target_arch = "wasm32")))]

@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 
-use super::Draft;
+use super::draft::Draft;
 use super::error::{Place, ReadError, quoted};
 use super::polygons::Polygons;
 use super::text::{Line, Lines, vertex, whole};

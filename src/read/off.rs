@@ -2,7 +2,7 @@
 //!
 //! An own reader, because no well-kept crate reads OFF; the format is one page of Geomview's manual.
 
-use super::Draft;
+use super::draft::Draft;
 use super::error::{Place, ReadError, quoted};
 use super::polygons::Polygons;
 use super::text::{Line, Lines, number, whole};

@@ -3,7 +3,7 @@
 //! An own reader rather than stl_io: that one takes whatever begins with “solid ” for text, rounds the coordinates of text to f32, and
 //! its errors carry neither a place nor the numbers of triangles promised and found.
 
-use super::Draft;
+use super::draft::Draft;
 use super::error::{Place, ReadError, quoted};
 use super::polygons::Polygons;
 use super::text::{Lines, vertex};

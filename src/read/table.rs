@@ -3,7 +3,7 @@
 //! An own reader rather than the csv crate: most of these files are separated by blanks, and what stands before the first point
 //! (counts, titles, comments) is told from it by looking at the words, which that crate leaves to its caller.
 
-use super::Draft;
+use super::draft::Draft;
 use super::error::{Place, ReadError, quoted};
 use super::text::{Line, Lines, number, whole};
 use crate::shape::{Repair, counted};

@@ -34,12 +34,6 @@ pub const MIN_POINTS: usize = 50;
 /// Most points a shape may have: an edge is packed into one word as two 31-bit indices and a direction.
 pub const MAX_POINTS: usize = 1 << 31;
 
-/// Largest coordinate: squared areas and their sums stay far inside f64.
-pub const MAX_COORDINATE: f64 = 1e30;
-
-/// Smallest size, as the longest side of the bounding box, for the same reason at the other end.
-pub const MIN_EXTENT: f64 = 1e-30;
-
 /// A mesh (`faces` not empty) or a point cloud. Points keep the order and the number they were uploaded
 /// with: index `i` here is index `i` for the user, whatever was repaired.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,12 @@ use crate::vector::{cross, minus, norm};
 
 use super::error::ShapeError;
 use super::repair::Repair;
-use super::{MAX_COORDINATE, MIN_EXTENT};
+
+/// Largest coordinate: squared areas and their sums stay far inside f64.
+const MAX_COORDINATE: f64 = 1e30;
+
+/// Smallest size, as the longest side of the bounding box, for the same reason at the other end.
+const MIN_EXTENT: f64 = 1e-30;
 
 /// Points thinner than this multiple of their length are a line: it is the rounding of f32 coordinates (2⁻²⁴) with room for
 /// a diagonal line of them.

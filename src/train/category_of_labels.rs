@@ -13,16 +13,17 @@ pub(super) fn category_of_labels(
     meeting: impl IntoIterator<Item = [usize; 2]>,
     areas: &[f64],
 ) -> Result<Category, String> {
+    let spelled: Vec<String> = parts.iter().map(|name| name.to_lowercase()).collect();
     let other = |name: &str| name.replace("left", "\0").replace("right", "left").replace('\0', "right");
-    let mirror = |i: usize| parts.iter().position(|part| *part == other(&parts[i])).unwrap_or(i);
+    let mirror = |i: usize| spelled.iter().position(|part| *part == other(&spelled[i])).unwrap_or(i);
     let total: f64 = areas.iter().sum();
     let mut pairs: BTreeSet<[usize; 2]> = meeting.into_iter().collect();
     let mirrored: Vec<[usize; 2]> = pairs.iter().map(|pair| pair.map(mirror)).collect();
     pairs.extend(mirrored.into_iter().map(|[i, j]| [i.min(j), i.max(j)]));
     let part = |i: usize| {
-        let letters = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>().to_lowercase();
-        let side = ["left", "right"].into_iter().find(|&side| mirror(i) != i && parts[i].contains(side));
-        let class = letters(&side.map_or(parts[i].clone(), |side| parts[i].replace(side, "")));
+        let letters = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>();
+        let side = ["left", "right"].into_iter().find(|&side| mirror(i) != i && spelled[i].contains(side));
+        let class = letters(&side.map_or(spelled[i].clone(), |side| spelled[i].replace(side, "")));
         // A part that none of these scans has is there all the same.
         let area = (areas[i] / total).max(1e-4);
         Part {
@@ -56,7 +57,7 @@ mod tests {
 
     #[test]
     fn sides_are_told_by_name_and_what_meets_on_one_meets_on_the_other() {
-        let names = ["trunk", "left fin", "right fin"].map(str::to_owned);
+        let names = ["Trunk", "Left Fin", "right fin"].map(str::to_owned);
         let category = category_of_labels("fish", &names, [[0, 1]], &[8.0, 1.0, 1.0]).expect("a category");
         assert_eq!(category.parts.iter().map(|part| part.mirror).collect::<Vec<_>>(), [0, 2, 1]);
         assert!(category.meet(0, 2) && !category.meet(1, 2));

@@ -10,31 +10,13 @@ use std::path::Path;
 use candle_core::Tensor;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::parameters::Parameters;
 use super::pool::Pool;
-use super::run::{RunConfig, RunError, train};
+use super::run::{Fold, RunConfig, RunError, train};
 use super::step::{Forward, embed};
 use crate::network::{ModelConfig, Network, Weights};
-
-/// A part of the bodies: every `of`-th from `held` on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Fold {
-    /// How many folds there are, from 2.
-    pub of: usize,
-    /// Which one this is, from 0.
-    pub held: usize,
-}
-
-impl Fold {
-    /// Whether body `index` is in it.
-    pub fn holds(&self, index: usize) -> bool {
-        index % self.of == self.held
-    }
-}
 
 /// Pairs that a run is scored on.
 const PAIRS: usize = 60;

@@ -7,8 +7,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::category_of_labels::category_of_labels;
-use super::pool::{MakesSamples, SampleConfig, Scans};
+use super::pool::MakesSamples;
 use super::sample::Sample;
+use super::sample_config::{SampleConfig, Scans};
 use crate::evaluate::EvaluationError;
 use crate::evaluate::dataset::DataSet;
 use crate::evaluate::selection::rank;

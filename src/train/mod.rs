@@ -11,6 +11,7 @@ pub mod parameters;
 pub mod pool;
 pub mod run;
 pub mod sample;
+pub mod sample_config;
 pub mod step;
 
 pub use crate::evaluate::refit::refit;

@@ -11,12 +11,28 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use super::folds::Fold;
 use super::losses::LossWeights;
 use super::parameters::Parameters;
 use super::pool::Pool;
 use super::step::{Forward, embed_together};
 use crate::network::{Category, ModelConfig, Network, Weights, WeightsError};
+
+/// A part of the bodies: every `of`-th from `held` on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fold {
+    /// How many folds there are, from 2.
+    pub of: usize,
+    /// Which one this is, from 0.
+    pub held: usize,
+}
+
+impl Fold {
+    /// Whether body `index` is in it.
+    pub fn holds(&self, index: usize) -> bool {
+        index % self.of == self.held
+    }
+}
 
 /// Everything that decides the outcome of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,7 +101,7 @@ impl Default for RunConfig {
 
 impl RunConfig {
     /// The paper's (Sec. 4.1): Adam 1e-3 halved every 50 of 100 epochs, batches of 8 pairs, its losses as printed. In an epoch every one of `bodies` is seen once, on
-    /// average. The rest of its configuration is [`ModelConfig::paper`] and [`SampleConfig::paper`](super::pool::SampleConfig::paper).
+    /// average. The rest of its configuration is [`ModelConfig::paper`] and [`SampleConfig::paper`](super::sample_config::SampleConfig::paper).
     pub fn paper(bodies: usize) -> Self {
         let batch = 8;
         Self {

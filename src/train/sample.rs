@@ -9,7 +9,7 @@ use half::f16;
 use ndarray::Array2;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
-use super::pool::SampleConfig;
+use super::sample_config::SampleConfig;
 use crate::network::ShapeInputs;
 use crate::operators::LaplacianKind;
 use crate::pipeline::Error;

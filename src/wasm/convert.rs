@@ -7,11 +7,11 @@ use serde_json::json;
 use sprs::CsMat;
 use wasm_bindgen::JsValue;
 
-use super::invalid;
 use crate::maps::{Correspondence, FunctionalMap};
 use crate::operators::{Laplacian, LaplacianBuilder, LaplacianKind};
 use crate::pipeline::Error;
 use crate::pipeline::Match;
+use crate::pipeline::OptionError;
 use crate::spectrum::{SpectralBasis, SpectrumError, SpectrumReport};
 
 #[derive(Deserialize)]
@@ -56,6 +56,11 @@ pub(super) fn options<T: DeserializeOwned>(given: &JsValue) -> Result<T, JsValue
         let reason = e.to_string();
         invalid(reason.split(" at line ").next().unwrap_or(&reason))
     })
+}
+
+/// Options that are not what they should be, in a sentence.
+pub(super) fn invalid(reason: impl ToString) -> JsValue {
+    throw(OptionError::invalid(reason.to_string()).into())
 }
 
 /// An error as the plain object that TypeScript turns into a GeoSeError.

@@ -12,7 +12,6 @@ use wasm_bindgen::prelude::*;
 use web_time::Instant;
 
 use crate::pipeline::Error;
-use crate::pipeline::OptionError;
 use crate::pipeline::PreparedShape;
 use crate::progress::{Progress, Stage};
 use crate::read::Format;
@@ -136,9 +135,4 @@ fn progress(listener: &Function) -> Progress<'_> {
 /// A listener cannot stop a wasm call; what it throws is its own concern.
 fn tell(listener: &Function, stage: Stage, fraction: f64) {
     let _ = listener.call2(&JsValue::UNDEFINED, &stage.name().into(), &fraction.into());
-}
-
-/// Options that are not what they should be, in a sentence.
-fn invalid(reason: impl ToString) -> JsValue {
-    throw(OptionError::invalid(reason.to_string()).into())
 }

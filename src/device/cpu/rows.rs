@@ -51,17 +51,12 @@ pub(crate) fn normalize_rows(x: ArrayView2<f32>) -> Array2<f32> {
 pub(crate) fn softmax_rows(x: ArrayView2<f32>) -> Array2<f32> {
     let mut out = x.as_standard_layout().into_owned();
     for mut row in out.rows_mut() {
-        softmax(row.as_slice_mut().expect("standard layout"));
+        let most = row.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        row.mapv_inplace(|v| exp(v - most));
+        let scale = row.iter().sum::<f32>().recip();
+        row *= scale;
     }
     out
-}
-
-/// In place.
-pub(super) fn softmax(row: &mut [f32]) {
-    let most = row.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    row.iter_mut().for_each(|v| *v = exp(*v - most));
-    let scale = row.iter().sum::<f32>().recip();
-    row.iter_mut().for_each(|v| *v *= scale);
 }
 
 pub(crate) fn cross_pairs(g: ArrayView2<f32>) -> Array2<f32> {

@@ -1,6 +1,5 @@
 //! Attention that streams over the keys.
 
-use super::kernel::{Family, Kernel};
 use super::params::Attention;
 use super::recording::rows_per_dispatch;
 use super::{Gpu, GpuTensor};
@@ -8,12 +7,6 @@ use crate::device::Mask;
 
 /// Queries, and columns of values, per workgroup.
 const TILE: usize = 64;
-
-/// The pipeline of `attention.wgsl`.
-pub(super) fn kernel(device: &wgpu::Device) -> Kernel {
-    let source = include_str!("attention.wgsl");
-    Family::new::<Attention>(device, "attention", source, 5, 1).kernel("attend", &[])
-}
 
 impl Gpu {
     pub(super) fn stream_attention(

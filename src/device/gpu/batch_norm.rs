@@ -1,14 +1,8 @@
 //! Columns shifted and scaled.
 
-use super::kernel::{Family, Kernel};
 use super::params::BatchNorm;
 use super::recording::grid;
 use super::{Gpu, GpuTensor};
-
-/// The pipeline of `batch_norm.wgsl`.
-pub(super) fn kernel(device: &wgpu::Device) -> Kernel {
-    Family::new::<BatchNorm>(device, "batch_norm", include_str!("batch_norm.wgsl"), 5, 1).kernel("batch_norm", &[])
-}
 
 impl Gpu {
     pub(super) fn normalize_columns(

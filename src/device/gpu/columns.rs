@@ -1,23 +1,8 @@
 //! Rows and columns copied to where they are wanted.
 
-use super::kernel::{Family, Kernel};
 use super::params::Columns;
 use super::recording::grid;
 use super::{Gpu, GpuIndices, GpuTensor};
-
-/// Pipelines of `columns.wgsl`.
-#[derive(Debug)]
-pub(super) struct ColumnKernels {
-    beside: Kernel,
-    gather: Kernel,
-}
-
-impl ColumnKernels {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let family = Family::new::<Columns>(device, "columns", include_str!("columns.wgsl"), 2, 1);
-        Self { beside: family.kernel("beside", &[]), gather: family.kernel("gather", &[]) }
-    }
-}
 
 impl Gpu {
     /// The first `count` columns of each part, times its weight, side by side.

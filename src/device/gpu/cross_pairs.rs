@@ -1,14 +1,7 @@
 //! Cross products of all pairs of rows.
 
-use super::kernel::{Family, Kernel};
 use super::params::CrossPairs;
 use super::{Gpu, GpuTensor};
-
-/// The pipeline of `cross_pairs.wgsl`.
-pub(super) fn kernel(device: &wgpu::Device) -> Kernel {
-    let source = include_str!("cross_pairs.wgsl");
-    Family::new::<CrossPairs>(device, "cross_pairs", source, 1, 1).kernel("cross_pairs", &[])
-}
 
 impl Gpu {
     pub(super) fn cross_of_pairs(&self, g: &GpuTensor) -> GpuTensor {

@@ -3,8 +3,6 @@
 use std::cell::RefCell;
 use std::sync::{Arc, OnceLock};
 
-use super::Gpu;
-
 /// Shared with the callbacks of the device. Once set it stays: a device that failed is not used again.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Failure(Arc<Messages>);
@@ -42,13 +40,13 @@ impl Failure {
 pub(super) struct Watch(RefCell<Option<[wgpu::ErrorScopeGuard; 2]>>);
 
 impl Watch {
-    fn begin(&self, device: &wgpu::Device) {
+    pub fn begin(&self, device: &wgpu::Device) {
         let filters = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
         *self.0.borrow_mut() = Some(filters.map(|filter| device.push_error_scope(filter)));
     }
 
     /// The inner scope first, as they nest.
-    fn end(&self) -> Vec<impl Future<Output = Option<wgpu::Error>> + use<>> {
+    pub fn end(&self) -> Vec<impl Future<Output = Option<wgpu::Error>> + use<>> {
         let scopes = self.0.borrow_mut().take();
         scopes.into_iter().flatten().rev().map(wgpu::ErrorScopeGuard::pop).collect()
     }
@@ -57,24 +55,6 @@ impl Watch {
 impl Drop for Watch {
     fn drop(&mut self) {
         drop(self.end());
-    }
-}
-
-impl Gpu {
-    /// Everything from here on is watched.
-    pub(super) fn begin_watch(&self) {
-        self.watch.begin(&self.device);
-    }
-
-    /// Waits for what the device has to say of all that was handed to it since, and begins anew.
-    pub(super) async fn hear_complaints(&self) {
-        let complaints = self.watch.end();
-        self.begin_watch();
-        for complaint in complaints {
-            if let Some(error) = complaint.await {
-                self.failure.set(sentence(&error));
-            }
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Matrix products: one shader for all transposes.
 
-use super::kernel::{Family, Kernel};
+use super::kernels::Transposed;
 use super::params::Matmul;
 use super::recording::{grid, rows_per_dispatch};
 use super::{Gpu, GpuTensor};
@@ -11,35 +11,6 @@ const TILE: usize = 64;
 const ENOUGH_TILES: usize = 64;
 /// Inner indices of such a chunk.
 const CHUNK: usize = 256;
-
-/// Which operand lies transposed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Transposed {
-    Neither,
-    Left,
-    Right,
-}
-
-/// Pipelines of `matmul.wgsl`.
-#[derive(Debug)]
-pub(super) struct MatmulKernels {
-    plain: Kernel,
-    left: Kernel,
-    right: Kernel,
-    sum: Kernel,
-}
-
-impl MatmulKernels {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let family = Family::new::<Matmul>(device, "matmul", include_str!("matmul.wgsl"), 3, 1);
-        Self {
-            plain: family.kernel("matmul", &[]),
-            left: family.kernel("matmul", &[("transposed_a", 1.0)]),
-            right: family.kernel("matmul", &[("transposed_b", 1.0)]),
-            sum: family.kernel("sum", &[]),
-        }
-    }
-}
 
 impl Gpu {
     /// a b + bias, with either operand transposed.

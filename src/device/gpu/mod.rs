@@ -1,5 +1,5 @@
 //! The GPU through wgpu: WebGPU in the browser; Vulkan, Metal or DirectX 12 natively. Each kernel stands beside the shader it launches and has
-//! the name of its twin in `cpu/`.
+//! the name of its twin in `cpu/`; `kernels` makes their pipelines.
 //!
 //! Work is recorded, not done, until something is downloaded. What goes wrong (the device is lost, memory runs out, a driver refuses) travels through no
 //! return value: it sets [`Device::failure`], after which every operation gives a tensor of the right shape with nothing in it and downloads
@@ -17,8 +17,10 @@ mod batch_norm;
 mod columns;
 mod counters;
 mod cross_pairs;
+mod dispatch;
 mod failure;
 mod kernel;
+mod kernels;
 mod matmul;
 mod nearest_rows;
 mod params;
@@ -42,15 +44,10 @@ pub use pool::PoolSize;
 pub use tensor::{GpuIndices, GpuTensor};
 
 use super::{Device, Mask};
-use columns::ColumnKernels;
 use failure::{Failure, Watch};
-use kernel::Kernel;
-use matmul::{MatmulKernels, Transposed};
-use nearest_rows::NearestKernels;
-use pointwise::PointwiseKernels;
+use kernels::{Kernels, Transposed};
 use pool::Pool;
 use recording::{ARENA, Recording};
-use rows::RowKernels;
 
 /// A graphics processor.
 #[derive(Debug)]
@@ -70,35 +67,11 @@ pub struct Gpu {
     counters: Cell<GpuCounters>,
 }
 
-/// Every pipeline, made once.
-#[derive(Debug)]
-struct Kernels {
-    attention: Kernel,
-    batch_norm: Kernel,
-    columns: ColumnKernels,
-    cross_pairs: Kernel,
-    matmul: MatmulKernels,
-    nearest: NearestKernels,
-    pointwise: PointwiseKernels,
-    rows: RowKernels,
-    solve_rows: Kernel,
-}
-
 impl Gpu {
     /// Opens a GPU, or says why there is none.
     pub async fn new(options: GpuOptions) -> Result<Self, String> {
         let adapter::Opened { info, device, queue, failure } = adapter::open(options).await?;
-        let kernels = Kernels {
-            attention: attention::kernel(&device),
-            batch_norm: batch_norm::kernel(&device),
-            columns: ColumnKernels::new(&device),
-            cross_pairs: cross_pairs::kernel(&device),
-            matmul: MatmulKernels::new(&device),
-            nearest: NearestKernels::new(&device),
-            pointwise: PointwiseKernels::new(&device),
-            rows: RowKernels::new(&device),
-            solve_rows: solve_rows::kernel(&device),
-        };
+        let kernels = Kernels::new(&device);
         let arena = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("parameters"),
             size: ARENA as u64,

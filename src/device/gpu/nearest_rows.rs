@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use super::kernel::{Family, Kernel};
 use super::params::{NearestMerge, NearestRows};
 use super::pool::Memory;
 use super::recording::rows_per_dispatch;
@@ -13,24 +12,6 @@ use super::{Gpu, GpuIndices, GpuTensor};
 pub(super) const TILE: usize = 64;
 /// Label of rows that may be compared with any, as in the shaders.
 const ANY: u32 = u32::MAX;
-
-/// Pipelines of `nearest_rows.wgsl` and `nearest_merge.wgsl`, without labels and with.
-#[derive(Debug)]
-pub(super) struct NearestKernels {
-    compare: [Kernel; 2],
-    merge: [Kernel; 2],
-}
-
-impl NearestKernels {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let compare = Family::new::<NearestRows>(device, "nearest_rows", include_str!("nearest_rows.wgsl"), 6, 2);
-        let merge = Family::new::<NearestMerge>(device, "nearest_merge", include_str!("nearest_merge.wgsl"), 1, 2);
-        Self {
-            compare: [0.0, 1.0].map(|labelled| compare.kernel("nearest_rows", &[("labelled", labelled)])),
-            merge: [0.0, 1.0].map(|labelled| merge.kernel("nearest_merge", &[("labelled", labelled)])),
-        }
-    }
-}
 
 /// The rows of a matrix in the order of their labels, each with the rank of its label among the `shared`; one that is not shared is [`ANY`], which
 /// comes last.

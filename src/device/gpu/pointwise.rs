@@ -1,34 +1,10 @@
 //! Functions of single values.
 
-use super::kernel::{Family, Kernel};
+use super::kernel::Kernel;
 use super::params::Pointwise;
 use super::pool::Memory;
 use super::recording::grid;
 use super::{Gpu, GpuTensor};
-
-/// Pipelines of `pointwise.wgsl`.
-#[derive(Debug)]
-pub(super) struct PointwiseKernels {
-    pub multiply: Kernel,
-    pub add: Kernel,
-    pub relu: Kernel,
-    pub tanh: Kernel,
-    pub diffuse: Kernel,
-}
-
-impl PointwiseKernels {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let family = Family::new::<Pointwise>(device, "pointwise", include_str!("pointwise.wgsl"), 3, 1);
-        Self {
-            multiply: family.kernel("multiply", &[]),
-            add: family.kernel("add", &[]),
-            relu: family.kernel("relu", &[]),
-            // `tanh` itself is taken in the language.
-            tanh: family.kernel("hyperbolic_tangent", &[]),
-            diffuse: family.kernel("diffuse", &[]),
-        }
-    }
-}
 
 impl Gpu {
     /// `kernel` on every value of a, with what stands at the same place, in the same row or in the same column of `others`.

@@ -1,30 +1,9 @@
 //! Work on one row at a time.
 
-use super::kernel::{Family, Kernel};
+use super::kernel::Kernel;
 use super::params::Rows;
 use super::recording::grid;
 use super::{Gpu, GpuTensor};
-
-/// Pipelines of `rows.wgsl`.
-#[derive(Debug)]
-pub(super) struct RowKernels {
-    pub layer_norm: Kernel,
-    pub normalize_rows: Kernel,
-    pub softmax_rows: Kernel,
-    pub squares: Kernel,
-}
-
-impl RowKernels {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let family = Family::new::<Rows>(device, "rows", include_str!("rows.wgsl"), 3, 1);
-        Self {
-            layer_norm: family.kernel("layer_norm", &[]),
-            normalize_rows: family.kernel("normalize_rows", &[]),
-            softmax_rows: family.kernel("softmax_rows", &[]),
-            squares: family.kernel("squares", &[]),
-        }
-    }
-}
 
 impl Gpu {
     /// `kernel` on every row of x, with a gain and a bias per column where it takes them; writes `cols` values per row.

@@ -1,18 +1,11 @@
 //! Many small positive definite systems that differ in their diagonal.
 
-use super::kernel::{Family, Kernel};
 use super::params::SolveRows;
 use super::recording::rows_per_dispatch;
 use super::{Gpu, GpuTensor};
 
 /// Systems whose factors are in memory together; with 120 unknowns they take 7 MiB.
 const TOGETHER: usize = 128;
-
-/// The pipeline of `solve_rows.wgsl`.
-pub(super) fn kernel(device: &wgpu::Device) -> Kernel {
-    let source = include_str!("solve_rows.wgsl");
-    Family::new::<SolveRows>(device, "solve_rows", source, 3, 2).kernel("solve_rows", &[])
-}
 
 impl Gpu {
     /// In f32, with one step of refinement, where the CPU computes in f64: relative errors are about 1e-6 times the condition number.

@@ -7,7 +7,7 @@ use base64::prelude::BASE64_STANDARD;
 use gltf::accessor::{DataType, Dimensions, Item, Iter};
 use gltf::{Accessor, Buffer, Document, buffer};
 
-use super::GLTF;
+use super::container::GLTF;
 use crate::read::error::{Place, ReadError};
 
 /// The data of each buffer, or why it cannot be had: that only matters once something is read from it.

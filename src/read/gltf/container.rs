@@ -1,7 +1,9 @@
 //! The GLB container: a header and length-prefixed chunks, of which the first is the JSON and the second the data.
 
-use super::GLTF;
 use crate::read::error::{Place, ReadError};
+
+/// The format in errors.
+pub(super) const GLTF: &str = "glTF";
 
 /// The JSON and the binary chunk. Anything without the magic word is taken for JSON as a whole.
 pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> {

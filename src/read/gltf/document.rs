@@ -6,7 +6,7 @@ use gltf::json::validation::{self, Validate};
 use gltf::json::{Path, Root};
 use serde_json::Value;
 
-use super::GLTF;
+use super::container::GLTF;
 use crate::read::error::{Place, ReadError};
 use crate::shape::{Repair, counted};
 

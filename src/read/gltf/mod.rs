@@ -12,12 +12,11 @@ mod placement;
 use gltf::mesh::{Mode, Primitive};
 use gltf::{Mesh, Semantic};
 
-use super::Draft;
+use super::draft::Draft;
 use super::error::{Place, ReadError};
 use accessor::Buffers;
+use container::GLTF;
 use placement::Placement;
-
-const GLTF: &str = "glTF";
 
 /// Most points and most faces read of a file of so many bytes: a few kilobytes of instances can name the same data a million times.
 /// Stored once, a point takes at least three bytes and a triangle two.

@@ -3,7 +3,7 @@
 use gltf::scene::Transform;
 use gltf::{Document, Mesh, Node};
 
-use super::GLTF;
+use super::container::GLTF;
 use crate::read::error::{Place, ReadError};
 
 /// An affine map: columns of the linear part, and the offset.

@@ -1,29 +1,9 @@
 //! The values of a PLY, one at a time: from lines of text or from bytes of either order. Every value becomes an f64, which
 //! holds all eight kinds exactly.
 
-use super::PLY;
-use super::header::{Element, Kind, Scalar};
+use super::header::{Element, Kind, Order, PLY, Scalar};
 use crate::read::error::{Place, ReadError, quoted};
 use crate::read::text::{Line, Lines, number};
-
-/// How values are written.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Order {
-    Text,
-    Little,
-    Big,
-}
-
-impl Order {
-    pub fn named(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"ascii" => Self::Text,
-            b"binary_little_endian" => Self::Little,
-            b"binary_big_endian" => Self::Big,
-            _ => return None,
-        })
-    }
-}
 
 /// What follows the header.
 pub(super) enum Body<'a> {

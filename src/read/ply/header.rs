@@ -1,13 +1,39 @@
 //! The header of a PLY: its encoding, elements and properties.
 
-use super::PLY;
-use super::body::{Body, Order};
 use crate::read::error::{Place, ReadError, quoted};
 use crate::read::text::{Line, Lines};
 
+/// The format in errors.
+pub(super) const PLY: &str = "PLY";
+
 /// What the header says.
-pub(super) struct Header {
+pub(super) struct Header<'a> {
+    /// How what follows is written.
+    pub order: Order,
     pub elements: Vec<Element>,
+    /// Where it ends, in bytes.
+    pub end: usize,
+    /// The lines behind it.
+    pub lines: Lines<'a>,
+}
+
+/// How values are written.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Order {
+    Text,
+    Little,
+    Big,
+}
+
+impl Order {
+    pub fn named(name: &[u8]) -> Option<Self> {
+        Some(match name {
+            b"ascii" => Self::Text,
+            b"binary_little_endian" => Self::Little,
+            b"binary_big_endian" => Self::Big,
+            _ => return None,
+        })
+    }
 }
 
 /// A table: `count` records of the same properties.
@@ -72,8 +98,8 @@ impl Scalar {
     }
 }
 
-/// The header and the body behind it, ready to be read.
-pub(super) fn read(bytes: &[u8]) -> Result<(Header, Body<'_>), ReadError> {
+/// The header of a file.
+pub(super) fn read(bytes: &[u8]) -> Result<Header<'_>, ReadError> {
     let mut lines = Lines::new(bytes, 1);
     let magic = lines.any_line().filter(|line| line.bytes.trim_ascii_end() == b"ply");
     if magic.is_none() {
@@ -104,8 +130,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Header, Body<'_>), ReadError> {
     let Some(order) = order else {
         return Err(ReadError::MissingElement { format: PLY, what: "line “format” in its header".to_owned() });
     };
-    let start = bytes.len() - lines.rest().len();
-    Ok((Header { elements }, Body::new(bytes, start, order, lines)))
+    Ok(Header { order, elements, end: bytes.len() - lines.rest().len(), lines })
 }
 
 fn element(name: &[u8], count: &[u8], earlier: &[Element], line: Line) -> Result<Element, ReadError> {

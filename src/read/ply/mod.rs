@@ -6,25 +6,24 @@
 mod body;
 mod header;
 
-use super::Draft;
+use super::draft::Draft;
 use super::error::{Place, ReadError};
 use super::polygons::Polygons;
 use crate::shape::{Repair, counted};
 use body::{Body, Fault};
-use header::{Element, Kind};
-
-const PLY: &str = "PLY";
+use header::{Element, Header, Kind, PLY};
 
 /// Names of the list of a face's corners, in the wild.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// Reads `x y z` and `label` of the element `vertex` and the corners of the element `face`; the rest is passed over.
 pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
-    let (header, mut body) = header::read(bytes)?;
+    let Header { order, elements, end, lines } = header::read(bytes)?;
+    let mut body = Body::new(bytes, end, order, lines);
     let mut vertices = None;
     let mut polygons = Polygons::new(PLY, 0);
     let mut repairs = Vec::new();
-    for element in &header.elements {
+    for element in &elements {
         match element.name.as_str() {
             "vertex" => vertices = Some(read_vertices(element, &mut body)?),
             "face" => read_faces(element, &mut body, &mut polygons)?,

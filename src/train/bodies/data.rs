@@ -13,6 +13,7 @@ use glam::DVec3;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::skeleton::Bone;
 use super::skinning::Weights;
 use crate::shape::ShapeError;
 
@@ -56,19 +57,6 @@ pub struct BodyData {
     pub weights: Weights,
     /// Targets read so far: a random person adds up fifty of them, and all people together a few hundred.
     targets: Mutex<HashMap<String, Arc<Target>>>,
-}
-
-/// One bone of the rig; its ends are means of base-mesh vertices, so they follow the shape.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bone {
-    /// `upperarm_l`, `calf_r`, …
-    pub name: String,
-    /// Index of the parent, always smaller than the bone's own; `None` for the root.
-    pub parent: Option<usize>,
-    /// Vertices whose mean is the joint the bone turns about.
-    pub head: Vec<u32>,
-    /// Vertices whose mean is the bone's far end.
-    pub tail: Vec<u32>,
 }
 
 /// Sparse offsets of one shape target: vertex and displacement in decimetres.

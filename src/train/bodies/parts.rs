@@ -1,6 +1,6 @@
 //! Fourteen sided body parts, from the skinning weights.
 
-use super::data::Bone;
+use super::skeleton::Bone;
 use super::skinning::Weights;
 use crate::network::Category;
 

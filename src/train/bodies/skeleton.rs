@@ -2,7 +2,18 @@
 
 use glam::{DQuat, DVec3};
 
-use super::data::Bone;
+/// One bone of the rig; its ends are means of base-mesh vertices, so they follow the shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bone {
+    /// `upperarm_l`, `calf_r`, …
+    pub name: String,
+    /// Index of the parent, always smaller than the bone's own; `None` for the root.
+    pub parent: Option<usize>,
+    /// Vertices whose mean is the joint the bone turns about.
+    pub head: Vec<u32>,
+    /// Vertices whose mean is the bone's far end.
+    pub tail: Vec<u32>,
+}
 
 /// The bones of one rest shape, every parent before its children.
 #[derive(Clone, Debug, PartialEq)]
