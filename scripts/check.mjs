@@ -3,12 +3,12 @@ import { note, stopwatch } from './costs.mjs';
 import { checkLicences } from './licences.mjs';
 import { compilePackage } from './package.mjs';
 import { environment, main, run } from './run.mjs';
-import { wasmEnvironment } from './toolchain.mjs';
+import { wasmCompiler } from './toolchain.mjs';
 import { toolFolders } from './tools.mjs';
 
 /** Runs all of them, also after a failure; resolves to `{ passed, failed, skipped }`. */
 export async function check() {
-  const wasm = wasmEnvironment();
+  const wasm = wasmCompiler();
   const node = environment(toolFolders);
   const clippy = (args, env) => run('cargo', ['clippy', '--quiet', '--locked', ...args, '--', '-D', 'warnings'], { env });
   const checks = {
@@ -18,7 +18,7 @@ export async function check() {
     'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),
     prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),
     licences: checkLicences,
-    clippy: () => clippy(['--all-targets']),
+    clippy: () => clippy(['--lib', '--bins']),
     'clippy with trainer and GPU': () => clippy(['--all-targets', '--features', 'train,gpu']),
     'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),
     'clippy for wasm32 with GPU': () =>

@@ -13,7 +13,7 @@ import { Failure, environment, main, root, run, say } from './run.mjs';
 import { serveSite } from './serve.mjs';
 import { buildSite } from './site.mjs';
 import { runSuite, sumOf } from './suite.mjs';
-import { wasmEnvironment } from './toolchain.mjs';
+import { wasmCompiler, wasmEnvironment } from './toolchain.mjs';
 import { presentBodyData } from './train.mjs';
 import { buildWasm } from './wasm.mjs';
 
@@ -54,8 +54,10 @@ async function testCrate() {
   return testRust(crateFolder, ONCE);
 }
 
-/** For what is built from the packed crate: it is seldom built twice, and the first time is quicker so. */
-const ONCE = { CARGO_INCREMENTAL: '0' };
+/** For what is built from the packed crate: it is seldom built twice, and the first time is quicker so. A panic tells its line all the same. */
+const ONCE = { CARGO_INCREMENTAL: '0', CARGO_PROFILE_DEV_DEBUG: 'none' };
+/** For unit tests, which take a second: most of the time goes into building them. */
+const UNIT = { CARGO_PROFILE_DEV_OPT_LEVEL: '1' };
 
 /** The crate in `folder` natively. Tests that read data which is not part of it run where that is, and count as skipped elsewhere. */
 async function testRust(folder, more = {}) {
@@ -64,8 +66,10 @@ async function testRust(folder, more = {}) {
   const data = { GEOSE_BODY_DATA: presentBodyData(), GEOSE_EVAL_DIR: process.env.GEOSE_EVAL_DIR };
   const present = Object.entries(data).filter(([, place]) => place);
   const env = environment([], { ...more, ...Object.fromEntries(present.map(([name, place]) => [name, path.resolve(place)])) });
-  const test = (...args) => runSuite('cargo', ['test', '--no-fail-fast', ...TESTED, ...args], env, { cwd: folder });
-  const counts = await test();
+  const testWith = (env, ...args) => runSuite('cargo', ['test', '--no-fail-fast', ...TESTED, ...args], env, { cwd: folder });
+  const test = (...args) => testWith(env, ...args);
+  await step('building the programs and examples', () => run('cargo', ['build', ...TESTED, '--bins', '--examples'], { cwd: folder, env }));
+  const counts = sumOf([await test('--test', '*'), await testWith({ ...env, ...UNIT }, '--lib'), await test('--doc')]);
   const remarks = [];
   for (const variable of DATA) {
     const names = readersOf(variable);
@@ -214,7 +218,7 @@ await main(import.meta, async (names) => {
   const unknown = names.filter((name) => !(name in all));
   if (unknown.length > 0) throw new Failure(`No such suite: ${unknown.join(', ')}. There are ${Object.keys(all).join(', ')}.`);
   const elapsed = stopwatch();
-  wasmEnvironment();
+  wasmCompiler();
   const found = [];
   if (names.length > 0) found.push(await runSuites(names));
   else {

@@ -8,11 +8,17 @@ import { environment, main, run } from './run.mjs';
 import { wasmRust } from './rust.mjs';
 import { ensureTools, toolFolders } from './tools.mjs';
 
-/** The environment in which cargo and clippy build this crate for wasm32. */
+/** The environment in which this crate is built for wasm32 and its bindings are made. */
 export function wasmEnvironment() {
+  const env = wasmCompiler();
+  ensureTools();
+  return env;
+}
+
+/** The same without wasm-bindgen, which takes a minute or two to be built: enough for cargo and clippy. */
+export function wasmCompiler() {
   ensureNodeModules();
   const rust = wasmRust();
-  ensureTools();
   const env = environment(toolFolders, rust);
   if (env.RUSTFLAGS) console.log(`not used for wasm32: RUSTFLAGS=${env.RUSTFLAGS}`);
   return { ...env, CARGO_ENCODED_RUSTFLAGS: [SIMD, ...withoutPaths(env)].join('\x1f') };

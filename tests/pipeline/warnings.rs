@@ -63,7 +63,8 @@ fn mirrored(part: &str) -> String {
 
 #[test]
 fn landmarks_that_the_map_contradicts_are_named() {
-    let [a, b] = [BODIES[0], BODIES[3]].map(|file| prepared(body(file), &PrepareOptions::default()));
+    let half = PrepareOptions { points: 2500, ..Default::default() };
+    let [a, b] = [BODIES[0], BODIES[3]].map(|file| prepared(body(file), &half));
     let map = matched(&a, &b).a_to_b;
     let surest = |part: &str| {
         let label = parts().iter().position(|name| *name == part).expect("a part") as u32;
