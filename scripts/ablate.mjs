@@ -1,5 +1,5 @@
 // What each piece of the method is worth (the paper's Table 3, on our data) → benches/results/ablations.md. Every variant trains for the same time, from
-// nothing, once with each seed, one run per core: `npm run ablate -- --minutes 10`. What an earlier call trained, or measured with the same program, is not done
+// nothing, once with each seed, one run per core at a time: `npm run ablate -- --minutes 10`. What an earlier call trained, or measured with the same program, is not done
 // again; `--only-train` leaves measuring to a later call.
 import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import os from 'node:os';
@@ -77,11 +77,13 @@ function runOf(name, variant, folder, seed) {
 
 /** Trains the variants that are called `names` with every seed, as far as that was not done before. */
 async function trainAll(names, { minutes, bodies, folder, seeds }) {
-  const program = buildTrainer('train');
   const runs = names.flatMap((name) =>
     seeds.map((seed) => ({ name, seed, variant: VARIANTS[name], ...runOf(name, VARIANTS[name], folder, seed) })),
   );
   const left = runs.filter(({ commit }) => commit === null);
+  if (left.length === 0) return;
+  const program = buildTrainer('train');
+  const commit = programCommit();
   const options = ({ name, seed, variant, out }) => {
     const { run: changes = {}, network = {}, laplacian, paper, points, teacher } = variant;
     const kind = [paper && 'alike', teacher && 'places', laplacian, network.encoding && `encoding-${network.encoding}`].filter(Boolean);
@@ -109,8 +111,10 @@ async function trainAll(names, { minutes, bodies, folder, seeds }) {
     for (let one = left.shift(); one; one = left.shift()) {
       rmSync(one.out, { recursive: true, force: true });
       say(`${one.name}: ${minutes} minutes, seed ${one.seed}`);
-      const commit = programCommit();
-      await start(program, options(one).args, { env: trainerEnvironment() });
+      await start(program, options(one).args, { env: trainerEnvironment() }).catch((failure) => {
+        left.length = 0;
+        throw failure;
+      });
       writeFileSync(one.done, JSON.stringify({ variant: one.variant, commit }));
     }
   };
@@ -119,7 +123,7 @@ async function trainAll(names, { minutes, bodies, folder, seeds }) {
 
 /** One measurement of weights. */
 function measure(weights, variant, { dataset, mode, parts, limit }) {
-  const file = path.join(path.dirname(weights), programHash(), `${path.basename(dataset)}-${mode}-parts-${parts}-${limit}.json`);
+  const file = path.join(path.dirname(weights), programHash(), `${path.basename(dataset)}-${mode}-parts-${parts}-${limit}-first-maps.json`);
   if (!existsSync(file)) {
     mkdirSync(path.dirname(file), { recursive: true });
     // By default predicted parts tell limbs apart, also those of a network that knows none.
@@ -159,7 +163,8 @@ export function updated(text, rows) {
   const all = [...old.map(cells), ...rows].map((row) => [row.slice(0, KEY.length).join(), row]);
   return `# What each piece is worth
 
-\`npm run ablate\` trains every variant from nothing at the commit named, for so many minutes on so many bodies with each of so many seeds, and measures it with
+\`npm run ablate\` trains every variant from nothing at the commit named, for so many minutes (by the clock, as many runs beside each other as the
+machine has cores, ${os.availableParallelism()} here) on so many bodies with each of so many seeds, and measures it with
 \`--network-only --refine none\`: no map made without the network takes the place of a bad one, and refinement, which hides much of what tells variants apart, takes no part.
 Mean geodesic errors ×100/√area: the mean over seeds, then that of each seed with the 95 % interval of a bootstrap that draws sources, each with all its pairs. Sources are those of ${SETS.join(' and ')}. Where parts are predicted, "parts agree"
 is the share of true pairs of faust_r clouds whose two points have the same predicted part; no map enters. A network that does not learn parts is given the

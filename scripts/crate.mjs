@@ -18,7 +18,7 @@ export function unpackCrate() {
   const { size } = statSync(packed);
   console.log(`${path.basename(packed)}: ${Math.ceil(size / 1000)} kB`);
   if (size > LIMIT) throw new Failure(`crates.io takes no more than ${LIMIT} bytes: see \`include\` in Cargo.toml.`);
-  const unpacked = `${crateFolder}.new`;
+  const unpacked = `${crateFolder}.new-${process.pid}`;
   rmSync(unpacked, { recursive: true, force: true });
   mkdirSync(unpacked, { recursive: true });
   run('tar', ['-xzf', packed, '-C', unpacked, '--strip-components=1']);

@@ -41,6 +41,8 @@ const LANES = [
 ];
 /** What measures time runs after that, alone. */
 const LAST = ['times'];
+/** A variable that is set in the process of a lane. */
+const LANE = 'GEOSE_TEST_LANE';
 
 /** The tests of `crate`, run where one works on them. Only when asked for: they pass if those do. */
 const ON_REQUEST = { rust: () => testRust(root) };
@@ -125,7 +127,7 @@ async function testInBrowser() {
 /** Tests of the package that measure time: nothing else runs beside them. */
 const MEASURED = ['cancel.test.mjs', 'crash.test.mjs', 'plain.test.mjs', 'samples.test.mjs'];
 
-/** The tarball as customers install it: in Node, in bundlers, in a browser. */
+/** The tarball as customers install it: in Node, in bundlers, in a browser. What measures time is the suite `times`. */
 async function testPackage() {
   const tarball = await step('packing the package', packPackage);
   return runNode('pkg-template/tests', installed(tarball), (name) => !MEASURED.includes(name));
@@ -133,6 +135,8 @@ async function testPackage() {
 
 /** How soon the package answers, and what else is in the same files. */
 async function testTimes() {
+  const missing = MEASURED.filter((name) => !testsIn('pkg-template/tests').includes(name));
+  if (missing.length > 0) throw new Failure(`pkg-template/tests holds no ${missing.join(', ')}`);
   const tarball = await step('packing the package', packPackage);
   return runNode('pkg-template/tests', installed(tarball), (name) => MEASURED.includes(name), 1);
 }
@@ -156,9 +160,11 @@ async function testPage() {
   }
 }
 
+const testsIn = (folder) => readdirSync(path.join(root, folder)).filter((name) => name.endsWith('.test.mjs'));
+
 /** Runs the `*.test.mjs` of a folder that are `wanted`, `beside` of them at a time. */
 async function runNode(folder, variables = {}, wanted = () => true, beside = 2) {
-  const files = readdirSync(path.join(root, folder)).filter((name) => name.endsWith('.test.mjs') && wanted(name));
+  const files = testsIn(folder).filter(wanted);
   if (files.length === 0) throw new Failure(`${folder} holds no *.test.mjs that is wanted: nothing ran`);
   const env = environment([], variables);
   const results = [];
@@ -197,18 +203,27 @@ async function runSuites(names) {
   return { lines, counts: sumOf(results) };
 }
 
-/** A lane: a process of its own, as what builds keeps one from listening. What it prints comes when it is through, unless it is `heard` at once. */
+/** A lane: a process of its own, because builds would block the other one. What it prints comes when it is through, unless it is `heard` at once. */
 function runLane(names, heard) {
   return new Promise((resolve) => {
-    const lane = fork(import.meta.filename, names, { stdio: ['ignore', heard ? 'inherit' : 'pipe', heard ? 'inherit' : 'pipe', 'ipc'] });
+    const lane = fork(import.meta.filename, names, {
+      env: { ...process.env, [LANE]: '1' },
+      stdio: ['ignore', heard ? 'inherit' : 'pipe', heard ? 'inherit' : 'pipe', 'ipc'],
+    });
     const text = [];
     for (const stream of [lane.stdout, lane.stderr]) stream?.setEncoding('utf8').on('data', (chunk) => text.push(chunk));
     let found = null;
     lane.on('message', (message) => (found = message));
     lane.on('close', (code, signal) => {
       process.stdout.write(text.join(''));
-      const lost = `✖ ${names.join(', ')}: ended with ${signal ?? `exit code ${code}`} without a result`;
-      resolve(found ?? { lines: [lost], counts: { passed: 0, failed: 1, skipped: 0 } });
+      const failed = {
+        lines: [`✖ ${names.join(', ')}: ended with ${signal ?? `exit code ${code}`}`],
+        counts: { passed: 0, failed: 1, skipped: 0 },
+      };
+      if (!found) resolve(failed);
+      else if (code !== 0 && found.counts.failed === 0)
+        resolve({ lines: [...found.lines, ...failed.lines], counts: sumOf([found.counts, failed.counts]) });
+      else resolve(found);
     });
   });
 }
@@ -217,18 +232,25 @@ await main(import.meta, async (names) => {
   const all = { ...SUITES, ...ON_REQUEST };
   const unknown = names.filter((name) => !(name in all));
   if (unknown.length > 0) throw new Failure(`No such suite: ${unknown.join(', ')}. There are ${Object.keys(all).join(', ')}.`);
+  const planned = [...LANES.flat(), ...LAST];
+  const forgotten = Object.keys(SUITES).filter((name) => !planned.includes(name));
+  if (forgotten.length > 0) throw new Failure(`In no lane: ${forgotten.join(', ')}.`);
   const elapsed = stopwatch();
   wasmCompiler();
   const found = [];
   if (names.length > 0) found.push(await runSuites(names));
   else {
-    // What both lanes would install is there before either begins.
-    ensureChromium();
+    // What both lanes would install is there before either begins. Suites that cannot do without it say so themselves.
+    try {
+      ensureChromium();
+    } catch (failure) {
+      console.error(failure.message);
+    }
     found.push(...(await Promise.all(LANES.map((lane, i) => runLane(lane, i === 0)))));
     found.push(await runSuites(LAST));
   }
   const total = { lines: found.flatMap(({ lines }) => lines), counts: sumOf(found.map(({ counts }) => counts)) };
-  if (process.send) process.send(total);
+  if (process.env[LANE]) process.send(total);
   else console.log(`\n${total.lines.join('\n')}\n${tell(total.counts)} in ${Math.round(elapsed().seconds)} s`);
   if (total.counts.failed > 0) process.exitCode = 1;
 });

@@ -1,4 +1,5 @@
-//! No file of the crate needs another that needs it, however far round.
+//! No file of the crate imports from another that imports from it, however far round. Read are `use` lines and paths written out in the code; not seen are
+//! methods, names that a glob or the root of the crate hands on, and names that a re-export changes.
 #![cfg(not(target_arch = "wasm32"))]
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -127,7 +128,9 @@ impl Uses {
             let begin =
                 begin.or(["use ", "pub use ", "pub(crate) use "].iter().any(|s| statement.starts_with(s)).then_some(0));
             let Some(begin) = begin else {
-                rest.push_str(statement);
+                // `mod a;` names no use of a.
+                let (before, last) = statement.rsplit_once('\n').unwrap_or(("", statement));
+                rest.push_str(if last.starts_with("mod ") || last.contains(" mod ") { before } else { statement });
                 continue;
             };
             rest.push_str(&statement[..begin]);
@@ -136,6 +139,10 @@ impl Uses {
             let paths = if visible.is_empty() { &mut found.own } else { &mut found.handed_on };
             paths.extend(ungrouped(&path.split_whitespace().collect::<Vec<_>>().join(" ")));
         }
+        // What is handed on and used as well.
+        let words: BTreeSet<&str> = rest.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+        let last = |path: &String| path.rsplit("::").next().unwrap_or_default().to_owned();
+        found.own.extend(found.handed_on.iter().filter(|path| words.contains(last(path).as_str())).cloned());
         // Paths written out in the code.
         let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
         let paths = rest.split(|c: char| !is_path(c)).filter(|word| word.contains("::") && !word.starts_with(':'));
@@ -191,6 +198,7 @@ fn a_circle_is_found_however_it_is_written() {
         found(&[("a", "pub use c::g;"), ("a::c", "use crate::b;"), ("b", "use crate::a::g;")]),
         "a::c → b → a::c"
     );
+    assert_eq!(found(&[("a", "pub use c::G;\nfn f() -> G {}"), ("a::c", "use super::f;")]), "a → a::c → a");
     // What is only handed on, what tests use, and what comments say makes none.
     assert_eq!(found(&[("a", "pub use c::g;\nfn f() {}"), ("a::c", "use super::f;")]), "");
     assert_eq!(

@@ -94,7 +94,7 @@ fn people_are_matched_as_on_the_cpu() {
     let [woman, man, striding] = ["woman-standing.ply", "man-lunging.ply", "woman-striding.ply"].map(body);
     let by_index: Vec<(u32, u32)> = (0..woman.points().len() as u32).map(|i| (i, i)).collect();
     let every = [Refinement::Best, Refinement::ZoomOut, Refinement::None];
-    // Half of the points: all of them are matched in `faust_scans_are_matched_as_on_the_cpu`.
+    // Half of the points: a GPU in software takes minutes for all of them, which only `faust_scans_are_matched_as_on_the_cpu` matches, where that set is.
     let half = |faces| PrepareOptions { points: 2500, faces, ..PrepareOptions::default() };
     agrees(&model, "meshes", [&woman, &man], half(FaceUse::Use), &by_index, &every);
     agrees(&model, "clouds", [&striding, &man], half(FaceUse::Ignore), &by_index, &[Refinement::Best]);

@@ -53,7 +53,7 @@ pub(super) struct Running {
     /// What computes: auto, cpu or webgpu.
     #[arg(long, default_value = "auto", value_parser = parse::<DeviceChoice>)]
     pub device: DeviceChoice,
-    /// Network weights in place of the built-in ones; given more than once, those at home with the scans are taken.
+    /// Network weights in place of the built-in ones. May be given several times, for several kinds of bodies: those most at home with a pair match it.
     #[arg(long)]
     pub weights: Vec<PathBuf>,
     /// Seed of whatever is random; a match has nothing random in it.
@@ -84,7 +84,10 @@ impl Running {
         for path in &self.weights {
             let failed = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
             let bytes = std::fs::read(path).map_err(|e| failed(&e))?;
-            weights.push(Arc::new(Weights::from_bytes(&bytes).map_err(|e| failed(&e))?));
+            let one = Arc::new(Weights::from_bytes(&bytes).map_err(|e| failed(&e))?);
+            // By itself first: what does not fit its network is told with the file it came from.
+            Model::on([one.clone()], Cpu).map_err(|e| failed(&e))?;
+            weights.push(one);
         }
         Ok(Arc::new(Model::on(weights, Cpu)?))
     }

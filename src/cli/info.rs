@@ -1,8 +1,7 @@
 //! `geose-fmap info A [--json]`
 
-use std::path::PathBuf;
-
 use std::io::{ErrorKind, Write as _};
+use std::path::PathBuf;
 
 use serde_json::Value;
 

@@ -1,8 +1,7 @@
 //! `geose-fmap laplacian A -o l.mtx`: every point counts, whatever `--points` says.
 
-use std::path::PathBuf;
-
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use super::arguments::{Failure, Preparing, Running, WrongUse, read_scan, write};
 use super::map_file::check_folder;

@@ -1,4 +1,4 @@
-//! Means, and how sure one over pairs is: pairs with one source stand or fall together, so it is sources that are drawn again. Cluster bootstrap (Field & Welsh
+//! Means over pairs, and how sure they are: pairs with one source stand or fall together, so it is sources that are drawn again. Cluster bootstrap (Field & Welsh
 //! 2007, "Bootstrapping clustered data"), percentile interval (Efron & Tibshirani 1993, ch. 13).
 
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ const RESAMPLES: usize = 4000;
 /// Where each call begins, so that the same pairs have the same interval.
 const SEED: u64 = 95;
 
-/// Nothing of no values.
+/// The mean of values; `None` where there are none.
 pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values.fold((0.0, 0usize), |(sum, count), value| (sum + value, count + 1));
     (count > 0).then(|| sum / count as f64)

@@ -6,6 +6,7 @@ mod cores;
 pub(crate) mod dataset;
 mod error;
 mod interval;
+mod mode;
 mod oracle;
 mod overlap;
 mod part_classes;
@@ -25,7 +26,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use ndarray::Array2;
-use serde::{Deserialize, Serialize};
 
 use crate::network::Model;
 use crate::pipeline::Error;
@@ -43,6 +43,7 @@ use cores::on_all_cores;
 use dataset::{DataSet, Labelled};
 pub use error::EvaluationError;
 use interval::{interval, mean};
+pub use mode::Mode;
 use overlap::Overlap;
 use part_classes::class_of_parts;
 pub use report::{Evaluation, PairResult, Pieces};
@@ -53,33 +54,10 @@ use truth::Truth;
 /// Thresholds of accuracy, in √area (paper Sec. 4.2).
 const THRESHOLDS: [(&str, f64); 3] = [("0.01", 0.01), ("0.02", 0.02), ("0.05", 0.05)];
 
-/// What faces are used for. Errors are measured on meshes all the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Mode {
-    /// Both shapes are meshes.
-    Mesh,
-    /// Both lose their faces before anything else.
-    Cloud,
-    /// B loses its faces.
-    MeshCloud,
-}
-
 impl Task {
     /// Where part labels come from: the oracle needs none.
     fn parts(&self) -> Parts {
         if self.oracle { Parts::None } else { self.parts }
-    }
-}
-
-impl Mode {
-    /// Whether A and B keep their faces.
-    fn faces(self) -> [FaceUse; 2] {
-        match self {
-            Mode::Mesh => [FaceUse::Use, FaceUse::Use],
-            Mode::Cloud => [FaceUse::Ignore, FaceUse::Ignore],
-            Mode::MeshCloud => [FaceUse::Use, FaceUse::Ignore],
-        }
     }
 }
 

@@ -5,7 +5,9 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{Mode, Overlap, Rotate};
+use super::mode::Mode;
+use super::overlap::Overlap;
+use super::rotation::Rotate;
 use crate::pipeline::Parts;
 use crate::registration::Refinement;
 use crate::shape::counted;

@@ -6,7 +6,7 @@ use crate::device::Mask;
 
 /// Wavelengths of the position encoding (paper Sec. 3.3, ψ), in √area.
 pub(super) const WAVELENGTHS: [f32; 3] = [4.0, 2.0, 1.0];
-/// Times of the heat kernel signature.
+/// Number of times of the heat kernel signature.
 pub(super) const SIGNATURES: usize = 8;
 
 /// Everything that decides which tensors a network has and what is done with them. Travels in the header of a weights file, where what is left out is as in the

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use crate::network::{Category, Part, Thresholds};
 
 /// Of scans of one's own: names of the parts, pairs of them that meet, and their areas in any unit. Parts of which one name says left where another says
-/// right are mirror images; what meets on one side meets on the other. No shape is held to be of another category, and confidence is that of maps without a
-/// network, until both are fitted.
+/// right, in capitals or not, are mirror images; what meets on one side meets on the other. No shape is held to be of another category, and confidence is
+/// that of maps without a network, until both are fitted.
 pub(super) fn category_of_labels(
     name: &str,
     parts: &[String],

@@ -283,3 +283,20 @@ fn wrong_use_ends_with_2_and_what_cannot_be_done_with_1() {
         );
     }
 }
+
+#[test]
+fn weights_may_be_given_several_times_and_those_that_do_not_fit_are_named() {
+    let set = planes("several-weights");
+    let flat = set.folder.join("shapes/flat.off");
+    let own = concat!(env!("CARGO_MANIFEST_DIR"), "/data/weights/people.safetensors");
+    let cut = set.folder.join("cut.safetensors");
+    let bytes = std::fs::read(own).expect("the weights that ship");
+    std::fs::write(&cut, &bytes[..bytes.len() / 2]).expect("written");
+    let [flat, cut] = [&flat, &cut].map(|path| path.to_str().expect("text"));
+    let info = ["info", flat, "--points", "300"];
+    let both = run(&[&info[..], &["--weights", own, "--weights", own]].concat());
+    assert_eq!(both.code, Some(0), "{}", both.err);
+    let refused = run(&[&info[..], &["--weights", own, "--weights", cut]].concat());
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.err.contains("cut.safetensors: "), "{}", refused.err);
+}

@@ -66,9 +66,10 @@ impl pulp::WithSimd for Masked<'_> {
     }
 }
 
-/// In place: softmax of scores + ln (shared + least), by eˢ (shared + least) in place of two logarithms a key. Zero where all weights are.
+/// In place: softmax of scores + ln (shared + least), as eˢ (shared + least) over its sum, which needs no logarithm. Zeros if nothing is shared at all.
 #[inline(always)]
 fn masked_softmax(scores: &mut [f32], shared: &[f32], least: f32) {
+    assert_eq!(scores.len(), shared.len(), "a score and a probability per key");
     let seen = |score: f32, shared: f32| if shared + least > 0.0 { score } else { f32::NEG_INFINITY };
     let larger = |x: f32, y: f32| if x > y { x } else { y };
     let (blocks, rest) = scores.as_chunks_mut::<LANES>();

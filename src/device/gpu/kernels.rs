@@ -35,14 +35,6 @@ impl Kernels {
     }
 }
 
-/// Which operand lies transposed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Transposed {
-    Neither,
-    Left,
-    Right,
-}
-
 /// The pipeline of `attention.wgsl`.
 fn attention(device: &wgpu::Device) -> Kernel {
     let source = include_str!("attention.wgsl");

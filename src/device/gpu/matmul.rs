@@ -1,7 +1,6 @@
 //! Matrix products: one shader for all transposes.
 
-use super::kernels::Transposed;
-use super::params::Matmul;
+use super::params::{Matmul, Transposed};
 use super::recording::{grid, rows_per_dispatch};
 use super::{Gpu, GpuTensor};
 

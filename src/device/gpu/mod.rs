@@ -1,5 +1,5 @@
-//! The GPU through wgpu: WebGPU in the browser; Vulkan, Metal or DirectX 12 natively. Each kernel stands beside the shader it launches and has
-//! the name of its twin in `cpu/`; `kernels` makes their pipelines.
+//! The GPU through wgpu: WebGPU in the browser; Vulkan, Metal or DirectX 12 natively. Each launcher stands beside its shader and has the
+//! name of its twin in `cpu/`; the pipelines of all shaders are made in `kernels`.
 //!
 //! Work is recorded, not done, until something is downloaded. What goes wrong (the device is lost, memory runs out, a driver refuses) travels through no
 //! return value: it sets [`Device::failure`], after which every operation gives a tensor of the right shape with nothing in it and downloads
@@ -45,7 +45,8 @@ pub use tensor::{GpuIndices, GpuTensor};
 
 use super::{Device, Mask};
 use failure::{Failure, Watch};
-use kernels::{Kernels, Transposed};
+use kernels::Kernels;
+use params::Transposed;
 use pool::Pool;
 use recording::{ARENA, Recording};
 

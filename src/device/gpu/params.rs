@@ -59,3 +59,11 @@ params! {
     /// Of many small systems.
     SolveRows for "solve_rows" { rows: u32, width: u32, first_row: u32, nothing: u32 }
 }
+
+/// Which operand lies transposed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Transposed {
+    Neither,
+    Left,
+    Right,
+}
