@@ -1,6 +1,7 @@
 //! The training loop: one run, resumable at any step.
 //!
-//! A budget in minutes (`RunConfig::minutes`) is for comparisons at equal cost; what such a run learns depends on the machine, and it is not resumed.
+//! A budget in minutes (`RunConfig::minutes`) is for comparisons at equal cost; what such a run learns depends on the machine, and it is not resumed. Where the
+//! system tells, they are minutes of the processor, so that other work beside a run takes nothing from it.
 
 use std::fs;
 use std::io::{self, Write};
@@ -44,7 +45,7 @@ pub struct RunConfig {
     pub version: String,
     /// Steps in all.
     pub steps: usize,
-    /// Ends after so many minutes instead, the rate falling with the clock.
+    /// Ends after so many minutes of the processor instead, with all of the program's threads, the rate falling as they pass.
     pub minutes: Option<f64>,
     /// Bodies left out, to be validated on.
     pub fold: Option<Fold>,
@@ -225,9 +226,11 @@ pub fn train(
     let mut not_finite = 0;
     let mut step = parameters.steps;
     let budget = run.minutes.map(|minutes| 60.0 * minutes);
+    let processor_before = processor_seconds();
     loop {
         let clock = began.elapsed().as_secs_f64();
-        let done = budget.map_or(step as f64 / run.steps.max(1) as f64, |budget| clock / budget);
+        let spent = || processor_seconds().zip(processor_before).map_or(clock, |(now, before)| now - before);
+        let done = budget.map_or(step as f64 / run.steps.max(1) as f64, |budget| spent() / budget);
         if done >= 1.0 {
             break;
         }
@@ -295,6 +298,14 @@ fn drawn(samples: usize, pool: &Pool, fold: Option<Fold>, rng: &mut ChaCha8Rng) 
             return index;
         }
     }
+}
+
+/// Seconds of processor time that this program has had, in hundredths; `None` where there is no /proc.
+fn processor_seconds() -> Option<f64> {
+    let text = fs::read_to_string("/proc/self/stat").ok()?;
+    // Behind the program's name, which may hold spaces: utime and stime are fields 14 and 15.
+    let mut ticks = text.rsplit_once(')')?.1.split_whitespace().skip(11).take(2).map(str::parse::<f64>);
+    Some((ticks.next()?.ok()? + ticks.next()?.ok()?) / 100.0)
 }
 
 /// Writes the weights as they ship.
