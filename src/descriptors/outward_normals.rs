@@ -16,7 +16,7 @@ pub(super) fn outward_normals(welded: &Shape) -> Vec<[f64; 3]> {
     let (piece, pieces) = components(points.len(), edges);
     let inside_out = inside_out_pieces(points, faces, &piece, pieces);
     let mut normals = normals(welded);
-    for (normal, first) in normals.iter_mut().zip(welded.first_at_place()) {
+    for (normal, &first) in normals.iter_mut().zip(welded.first_at_place()) {
         if inside_out[piece[first as usize] as usize] {
             *normal = normal.map(|c| -c);
         }

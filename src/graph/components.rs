@@ -22,16 +22,16 @@ pub fn components(n: usize, edges: impl IntoIterator<Item = (u32, u32)>) -> (Vec
 }
 
 /// Disjoint sets with path halving.
-pub(super) struct Forest {
+pub(crate) struct Forest {
     parent: Vec<u32>,
 }
 
 impl Forest {
-    pub(super) fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Self { parent: (0..n as u32).collect() }
     }
 
-    pub(super) fn root(&mut self, mut i: u32) -> u32 {
+    pub(crate) fn root(&mut self, mut i: u32) -> u32 {
         while self.parent[i as usize] != i {
             let grandparent = self.parent[self.parent[i as usize] as usize];
             self.parent[i as usize] = grandparent;
@@ -41,7 +41,7 @@ impl Forest {
     }
 
     /// Joins the sets of `i` and `j`; false when they were one already.
-    pub(super) fn join(&mut self, i: u32, j: u32) -> bool {
+    pub(crate) fn join(&mut self, i: u32, j: u32) -> bool {
         let (a, b) = (self.root(i), self.root(j));
         self.parent[a.max(b) as usize] = a.min(b);
         a != b

@@ -9,6 +9,7 @@ mod neighbours;
 mod refine;
 
 pub use cells::nearest_sources;
+pub(crate) use components::Forest;
 pub use components::components;
 pub use dijkstra::BoundedDijkstra;
 pub use edges::EdgeGraph;

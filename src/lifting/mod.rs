@@ -111,7 +111,7 @@ pub fn lift(matched: &Correspondence, from: Sampled, to: Sampled, parts: Option<
 
 /// For each uploaded point the first one at its place, and with its label where labels count.
 fn first_alike(shape: Sampled, labels: Option<&[u32]>) -> Vec<u32> {
-    let mut first = shape.shape.first_at_place();
+    let mut first = shape.shape.first_at_place().to_vec();
     if let Some(labels) = labels {
         let mut firsts = BTreeMap::new();
         for (i, (first, &label)) in (0..).zip(first.iter_mut().zip(labels)) {

@@ -26,7 +26,7 @@ pub fn normals(shape: &Shape) -> Vec<[f64; 3]> {
         return Neighbourhood::of(shape.points()).normals();
     }
     let at_first = mesh_normals(shape.points(), &shape.welded_faces());
-    shape.first_at_place().into_iter().map(|first| at_first[first as usize]).collect()
+    shape.first_at_place().iter().map(|&first| at_first[first as usize]).collect()
 }
 
 /// Normals (n, 3) of a mesh from the winding of its faces, each face counting with its angle at the vertex, so that how

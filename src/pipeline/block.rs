@@ -16,7 +16,7 @@ use crate::shape::{Repair, Shape, Support};
 use crate::spectrum::SpectralBasis;
 
 /// Version of the block's layout.
-const FORMAT: &str = "geose-prepared 6";
+const FORMAT: &str = "geose-prepared 7";
 
 /// Bytes that are not a prepared shape.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -86,6 +86,7 @@ impl PreparedShape {
             ("used", self.support.used.as_deref()),
             ("usedOf", self.support.used_of.as_deref()),
             ("unmatched", self.support.unmatched.as_deref()),
+            ("placeless", Some(self.shape.placeless()).filter(|points| !points.is_empty())),
         ];
         tensors.extend(
             optional.into_iter().filter_map(|(name, values)| {
@@ -123,6 +124,7 @@ impl PreparedShape {
 
         let points: Vec<[f64; 3]> = f64s("positions")?.as_chunks::<3>().0.to_vec();
         let faces: Vec<[u32; 3]> = u32s("faces")?.as_chunks::<3>().0.to_vec();
+        let placeless = optional("placeless")?.unwrap_or_default();
         let shape = Shape::already_valid(points, faces, optional("labels")?);
         let (eigenvalues, mass) = (Array1::from(f64s("eigenvalues")?), Array1::from(f64s("mass")?));
         let matrix = |e: ndarray::ShapeError| BlockError(e.to_string());
@@ -157,6 +159,8 @@ impl PreparedShape {
             && support.used.is_some() == support.used_of.is_some()
             && (support.carriers.is_some() || carriers == n)
             && support.unmatched.as_deref().is_none_or(|points| below(points, n))
+            && below(&placeless, n)
+            && placeless.is_sorted()
             && below(&coarse, p)
             && (surface.normals.len(), surface.cell.len()) == (p, p)
             && below(&surface.cell, coarse.len())
@@ -168,6 +172,7 @@ impl PreparedShape {
         if !consistent {
             return Err(fail("its tables do not fit together"));
         }
+        let shape = shape.with_placeless(placeless);
         let features = Array2::from_shape_vec((p, features.len() / p), features).map_err(matrix)?;
         let learned = |name: &str| -> Result<Array2<f32>, BlockError> {
             let found = values::<f32>(&block, name, Dtype::F32)?;

@@ -174,11 +174,12 @@ pub(crate) fn prepare_with_carriers(
     let as_read = shape;
     let mut repairs = as_read.repairs().to_vec();
     let n = as_read.points().len();
+    let placed = n - as_read.placeless().len();
     let in_faces = surface_points(&as_read).len();
     let used_shape = match options.faces {
-        FaceUse::Use if as_read.faces().is_empty() || 2 * in_faces >= n => as_read.welded(),
+        FaceUse::Use if as_read.faces().is_empty() || 2 * in_faces >= placed => as_read.welded(),
         FaceUse::Use => {
-            let message = format!("only {in_faces} of {n} points belong to a face: the scan was taken as a cloud");
+            let message = format!("only {in_faces} of {placed} points belong to a face: the scan was taken as a cloud");
             repairs.push(Repair::noted("faces-set-aside", as_read.faces().len(), message));
             as_read.clone().without_faces()
         }
@@ -195,7 +196,10 @@ pub(crate) fn prepare_with_carriers(
     check_size(surface.len().min(most), options.eigenpairs)?;
     let wanted = if check_size(surface.len().min(most), wanted).is_ok() { wanted } else { 0 };
     let aside = set_strays_aside(&used_shape, &surface);
-    let unmatched = aside.unmatched();
+    let mut unmatched = aside.unmatched();
+    unmatched.extend(used_shape.placeless());
+    unmatched.sort_unstable();
+    unmatched.dedup();
     let Strays { body: surface, strays, far, pieces: stray_pieces, far_vertices } = aside;
     repairs.extend(Repair::counted("crumbs-set-aside", strays.len(), || {
         let bits = counted(stray_pieces, "bit", "bits");
@@ -311,10 +315,10 @@ fn surface_points(shape: &Shape) -> Vec<u32> {
     if shape.faces().is_empty() {
         return shape
             .first_at_place()
-            .into_iter()
-            .enumerate()
-            .filter(|&(i, f)| i == f as usize)
-            .map(|(_, f)| f)
+            .iter()
+            .zip(0..)
+            .filter(|&(&first, i)| first == i && shape.placeless().binary_search(&i).is_err())
+            .map(|(_, i)| i)
             .collect();
     }
     let mut on_surface = vec![false; shape.points().len()];

@@ -75,11 +75,16 @@ fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
 }
 
 /// Reports, and keeps, points of a mesh that belong to no face.
-pub(super) fn notice_bare_points(points: usize, faces: &[[u32; 3]], repairs: &mut Vec<Repair>) {
+pub(super) fn notice_bare_points(
+    points: usize,
+    faces: &[[u32; 3]],
+    placeless: &[u32],
+    repairs: &mut Vec<Repair>,
+) {
     if faces.is_empty() {
         return;
     }
-    let unreferenced = used(points, faces).into_iter().filter(|used| !used).count();
+    let unreferenced = used(points, faces).into_iter().filter(|used| !used).count() - placeless.len();
     repairs.extend(Repair::counted("unreferenced-points", unreferenced, || {
         format!("{} to no face; kept as they are", counted(unreferenced, "point belongs", "points belong"))
     }));

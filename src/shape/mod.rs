@@ -4,6 +4,7 @@ mod axis;
 mod error;
 mod faces;
 mod orientation;
+mod placeless;
 mod repair;
 mod sample;
 mod simplify;
@@ -11,6 +12,8 @@ mod spread;
 mod strays;
 mod support;
 mod weld;
+
+use std::sync::OnceLock;
 
 use crate::vector::{cross, minus, norm};
 
@@ -26,7 +29,7 @@ pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;
 
-use weld::{first_at_place, weld};
+use weld::{first_at_place, joined, weld};
 
 /// Fewest points a shape may have (below it no spectrum worth the name exists).
 pub const MIN_POINTS: usize = 50;
@@ -36,20 +39,31 @@ pub const MAX_POINTS: usize = 1 << 31;
 
 /// A mesh (`faces` not empty) or a point cloud. Points keep the order and the number they were uploaded
 /// with: index `i` here is index `i` for the user, whatever was repaired.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Shape {
     points: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
     labels: Option<Vec<u32>>,
     repairs: Vec<Repair>,
     up: Option<Axis>,
+    /// Points whose coordinates are no numbers, ascending. They lie where the first point lies that has a place.
+    placeless: Vec<u32>,
+    /// For each point the first one that is the same point of the surface, found when it is first asked for.
+    first: OnceLock<Vec<u32>>,
+}
+
+impl PartialEq for Shape {
+    fn eq(&self, other: &Self) -> bool {
+        let all = |shape: &Self| (shape.labels.clone(), shape.repairs.clone(), shape.up, shape.placeless.clone());
+        self.points == other.points && self.faces == other.faces && all(self) == all(other)
+    }
 }
 
 impl Shape {
     /// Validates and, where that is safe, repairs. `faces` may be empty (a cloud); `labels`, if given, has one entry per point.
     ///
-    /// Faces that name a point twice are dropped, and pieces without any area; everything else that is odd is kept. Both are reported in
-    /// [`Shape::repairs`].
+    /// Faces that name a point twice are dropped, and pieces without any area; everything else that is odd is kept. Points of no face whose coordinates are no
+    /// numbers are [placeless](Shape::placeless). All is reported in [`Shape::repairs`].
     pub fn new(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, labels: Option<Vec<u32>>) -> Result<Self, ShapeError> {
         Self::with_repairs(points, faces, labels, Vec::new())
     }
@@ -69,7 +83,7 @@ impl Shape {
 
     /// As [`Shape::new`], after `repairs` that a reader already had to make.
     pub(crate) fn with_repairs(
-        points: Vec<[f64; 3]>,
+        mut points: Vec<[f64; 3]>,
         mut faces: Vec<[u32; 3]>,
         labels: Option<Vec<u32>>,
         mut repairs: Vec<Repair>,
@@ -83,12 +97,18 @@ impl Shape {
         if let Some(labels) = labels.as_ref().filter(|l| l.len() != points.len()) {
             return Err(ShapeError::LabelCount { labels: labels.len(), points: points.len() });
         }
-        repairs.extend(spread::check(&points)?);
         faces::check_indices(&faces, points.len())?;
+        let placeless = placeless::give_places(&mut points, &faces, &mut repairs)?;
+        let found = points.len() - placeless.len();
+        if found < MIN_POINTS {
+            return Err(ShapeError::TooFewPoints { found, needed: MIN_POINTS });
+        }
+        repairs.extend(spread::check(&points)?);
         let first = first_at_place(&points);
         let soup = faces::share_no_corner(&faces, points.len());
         faces::drop_degenerate(&points, &first, &mut faces, &mut repairs);
-        let duplicates = first.iter().enumerate().filter(|&(i, &first)| i != first as usize).count();
+        let copies = first.iter().enumerate().filter(|&(i, &first)| i != first as usize).count();
+        let duplicates = copies - placeless.len();
         repairs.extend(Repair::counted(if soup { "corners-joined" } else { "duplicate-points" }, duplicates, || {
             if soup {
                 return format!(
@@ -100,9 +120,17 @@ impl Shape {
             let met = if faces.is_empty() { "kept as they are" } else { "kept, and the faces there taken as joined" };
             format!("{} exactly where another one is; {met}", counted(duplicates, "point lies", "points lie"))
         }));
-        faces::notice_bare_points(points.len(), &faces, &mut repairs);
+        let (first, seams) = joined(&points, &faces);
+        repairs.extend(Repair::counted("seams-joined", seams, || {
+            format!(
+                "{} at open borders so close to another one that rounding must have parted them; the faces there taken as joined",
+                counted(seams, "point lies", "points lie")
+            )
+        }));
+        faces::notice_bare_points(points.len(), &faces, &placeless, &mut repairs);
         faces::notice_topology(points.len(), &weld(&faces, &first), &mut repairs);
-        Ok(Self { points, faces, labels, repairs, up: None })
+        let shape = Self { points, faces, labels, repairs, up: None, placeless, first: OnceLock::new() };
+        Ok(shape)
     }
 
     /// Positions (n, 3) in the unit of the upload.
@@ -149,25 +177,41 @@ impl Shape {
         shape
     }
 
-    /// For each point (n) the first one at exactly its place.
-    pub(crate) fn first_at_place(&self) -> Vec<u32> {
-        first_at_place(&self.points)
+    /// Points, ascending, whose coordinates were no numbers (NaN or infinite), as in the empty rows of an organised cloud. No match names them; in
+    /// [`points`](Self::points) they lie where the first point lies that has a place.
+    pub fn placeless(&self) -> &[u32] {
+        &self.placeless
     }
 
-    /// The same surface with faces that meet wherever their corners lie at exactly one place, as the split vertices at the seams of textured
-    /// meshes and of triangle soup do: every corner becomes the first point at its place. Points stay as they are.
+    /// The same shape, of which these points have no place.
+    pub(crate) fn with_placeless(self, placeless: Vec<u32>) -> Self {
+        Self { placeless, first: OnceLock::new(), ..self }
+    }
+
+    /// For each point (n) the first one that is the same point of the surface: at exactly its place, or of a mesh across a seam.
+    pub(crate) fn first_at_place(&self) -> &[u32] {
+        self.first.get_or_init(|| {
+            let (mut first, _) = joined(&self.points, &self.faces);
+            self.placeless.iter().for_each(|&i| first[i as usize] = i);
+            first
+        })
+    }
+
+    /// The same surface with faces that meet wherever their corners are one point, as the split vertices at the seams of textured meshes and of triangle soup are:
+    /// every corner becomes the first of these. Points stay as they are.
     pub(crate) fn welded(&self) -> Self {
-        Self { faces: self.welded_faces(), ..self.clone() }
+        Self { faces: self.welded_faces(), first: OnceLock::from(self.first_at_place().to_vec()), ..self.clone() }
     }
 
     /// The faces of [`Shape::welded`].
     pub(crate) fn welded_faces(&self) -> Vec<[u32; 3]> {
-        weld(&self.faces, &self.first_at_place())
+        weld(&self.faces, self.first_at_place())
     }
 
     /// From tables that came out of a valid shape.
     pub(crate) fn already_valid(points: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, labels: Option<Vec<u32>>) -> Self {
-        Self { points, faces, labels, repairs: Vec::new(), up: None }
+        let (repairs, placeless, first) = (Vec::new(), Vec::new(), OnceLock::new());
+        Self { points, faces, labels, repairs, up: None, placeless, first }
     }
 
     /// Turns faces until all that meet at an edge of two agree about which side is outside, as far as the surface allows; says what it did.
@@ -212,6 +256,7 @@ impl Shape {
     /// The same points without their faces. What was said about the upload stays said.
     pub fn without_faces(mut self) -> Self {
         self.faces.clear();
+        self.first = OnceLock::new();
         self
     }
 }

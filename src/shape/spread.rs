@@ -18,13 +18,8 @@ const LINE_WIDTH: f64 = 1e-6;
 /// A scan smaller than this multiple of its distance from the origin is reported: f32 files keep no shape at all there.
 const FAR_OFF: f64 = 1e-6;
 
-/// Refuses points that are not finite, too large, all in one place or on one line; reports a scan far from the origin.
+/// Refuses finite points that are too large, all in one place or on one line; reports a scan far from the origin.
 pub(super) fn check(points: &[[f64; 3]]) -> Result<Option<Repair>, ShapeError> {
-    let finite = |p: &[f64; 3]| p.iter().all(|c| c.is_finite());
-    if let Some(index) = points.iter().position(|p| !finite(p)) {
-        let count = points.iter().filter(|p| !finite(p)).count();
-        return Err(ShapeError::NotFinite { index, count });
-    }
     for (index, p) in points.iter().enumerate() {
         if let Some(&value) = p.iter().find(|c| c.abs() > MAX_COORDINATE) {
             return Err(ShapeError::CoordinateTooLarge { index, value, limit: MAX_COORDINATE });

@@ -69,7 +69,7 @@ pub fn set_strays_aside(shape: &Shape, surface: &[u32]) -> Strays {
     let far_vertices = from_body(&bare);
     let far = from_body(&strays);
     let first = shape.first_at_place();
-    let [strays, far] = [strays, far].map(|points| with_copies(&points, &first));
+    let [strays, far] = [strays, far].map(|points| with_copies(&points, first));
     Strays { body, strays, far, pieces: pieces.len(), far_vertices }
 }
 

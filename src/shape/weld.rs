@@ -1,6 +1,83 @@
-//! Points that lie at exactly one place, as the corners of triangle soup and the split vertices at texture seams do.
+//! Points that are one point of the surface although a scan holds them several times: copies at exactly one place, as the corners of triangle soup and the
+//! split vertices at texture seams are, and the two sides of a seam whose coordinates were rounded apart.
 
-/// For each point (n) the first one at its place; −0 equals 0.
+use std::num::NonZero;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+use crate::graph::Forest;
+use crate::vector::squared_distance;
+
+/// Corners at open borders that are nearer to each other than this part of the shortest edge at either of them are one corner.
+const SEAM: f64 = 0.1;
+/// Nor are corners told apart that lie within this many steps of single precision, as long as that is well below the edges.
+const STEPS: f64 = 4.0;
+/// That is, below this part of the shortest edge.
+const BELOW_EDGES: f64 = 0.4;
+/// Corners at a border that are looked at from each: triangle soup has six at a place.
+const AT_A_PLACE: NonZero<usize> = NonZero::new(16).unwrap();
+
+/// For each point (n) the first one that is the same point of the surface, and how many points are so without lying at exactly one place.
+pub(super) fn joined(points: &[[f64; 3]], faces: &[[u32; 3]]) -> (Vec<u32>, usize) {
+    let first = first_at_place(points);
+    if faces.is_empty() {
+        return (first, 0);
+    }
+    let welded = weld(faces, &first);
+    let (border, shortest) = border(points, &welded);
+    let reach = points.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let tolerance: Vec<f64> = border
+        .iter()
+        .zip(&shortest)
+        .map(|(_, &edge)| (SEAM * edge).max(STEPS * f64::from(f32::EPSILON) * reach).min(BELOW_EDGES * edge))
+        .collect();
+    let places: Vec<[f64; 3]> = border.iter().map(|&i| points[i as usize]).collect();
+    let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&places) else { return (first, 0) };
+    let mut forest = Forest::new(points.len());
+    for (at, place) in places.iter().enumerate() {
+        for near in tree.query(place).nearest_n::<SquaredEuclidean<f64>>(AT_A_PLACE).execute() {
+            let other = near.item as usize;
+            if other != at && near.distance <= tolerance[at].min(tolerance[other]).powi(2) {
+                forest.join(border[at], border[other]);
+            }
+        }
+    }
+    let mut seams = 0;
+    let joined = first
+        .iter()
+        .map(|&place| {
+            let root = forest.root(place);
+            seams += usize::from(root != place);
+            root
+        })
+        .collect();
+    (joined, seams)
+}
+
+/// Corners at edges of a single face, ascending, and the shortest edge at each.
+fn border(points: &[[f64; 3]], faces: &[[u32; 3]]) -> (Vec<u32>, Vec<f64>) {
+    let mut sides: Vec<(u32, u32)> = Vec::with_capacity(3 * faces.len());
+    for &[a, b, c] in faces {
+        sides.extend([(a, b), (b, c), (c, a)].map(|(i, j)| (i.min(j), i.max(j))));
+    }
+    sides.sort_unstable();
+    let mut border: Vec<u32> =
+        sides.chunk_by(|x, y| x == y).filter(|edge| edge.len() == 1).flat_map(|edge| [edge[0].0, edge[0].1]).collect();
+    border.sort_unstable();
+    border.dedup();
+    let mut shortest = vec![f64::INFINITY; border.len()];
+    if !border.is_empty() {
+        for (i, j) in sides {
+            let length = squared_distance(points[i as usize], points[j as usize]).sqrt();
+            for at in [i, j].into_iter().filter_map(|end| border.binary_search(&end).ok()) {
+                shortest[at] = shortest[at].min(length);
+            }
+        }
+    }
+    (border, shortest)
+}
+
+/// For each point (n) the first one at exactly its place; −0 equals 0. A place that is no number is that of its point alone.
 pub(super) fn first_at_place(points: &[[f64; 3]]) -> Vec<u32> {
     let key = |i: u32| points[i as usize].map(|c| (c + 0.0).to_bits());
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
