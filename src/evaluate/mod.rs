@@ -306,7 +306,10 @@ fn at_every_point(shape: &PreparedShape) -> Array2<f64> {
     let phi = &shape.basis.eigenvectors;
     match &shape.support.carrier_of {
         None => phi.clone(),
-        Some(of) => phi.select(ndarray::Axis(0), &of.iter().map(|&carrier| carrier as usize).collect::<Vec<_>>()),
+        Some(of) => {
+            let uploaded = &of[..shape.shape.points().len()];
+            phi.select(ndarray::Axis(0), &uploaded.iter().map(|&carrier| carrier as usize).collect::<Vec<_>>())
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use super::prepared::likeliest_parts;
 use super::{Info, PreparedShape};
 use crate::descriptors::SampledSurface;
 use crate::network::{Category, PointEmbedding, WeightsId};
-use crate::shape::{Repair, Shape, Support};
+use crate::shape::{Repair, Resampled, Shape, Support};
 use crate::spectrum::SpectralBasis;
 
 /// Version of the block's layout.
@@ -69,6 +69,14 @@ impl PreparedShape {
         ];
         let mut tensors: Vec<(String, Tensor)> =
             tables.into_iter().map(|(name, tensor)| (name.to_owned(), tensor)).collect();
+        if let Some(Resampled { shape, .. }) = &self.resampled {
+            let (added, faces) = (&shape.points()[n..], shape.faces());
+            let tables = [
+                ("added", Tensor::of(Dtype::F64, added.as_flattened(), &[added.len(), 3])),
+                ("resampledFaces", Tensor::of(Dtype::U32, faces.as_flattened(), &[faces.len(), 3])),
+            ];
+            tensors.extend(tables.map(|(name, tensor)| (name.to_owned(), tensor)));
+        }
         for (index, embedding) in self.embeddings.iter().enumerate() {
             for (name, matrix) in learned_names(index).into_iter().zip([&embedding.features, &embedding.parts]) {
                 tensors.push((name, Tensor::of(Dtype::F32, contiguous(matrix.as_slice())?, matrix.shape())));
@@ -86,6 +94,7 @@ impl PreparedShape {
             ("used", self.support.used.as_deref()),
             ("usedOf", self.support.used_of.as_deref()),
             ("unmatched", self.support.unmatched.as_deref()),
+            ("standsFor", self.resampled.as_ref().map(|resampled| &resampled.stands_for[..])),
             ("placeless", Some(self.shape.placeless()).filter(|points| !points.is_empty())),
         ];
         tensors.extend(
@@ -145,9 +154,26 @@ impl PreparedShape {
             used_of: optional("usedOf")?,
             unmatched: optional("unmatched")?,
         };
-        let (n, carriers) = (shape.points().len(), mass.len());
-        let p = support.points_used(n);
         let below = |indices: &[u32], limit: usize| indices.iter().all(|&i| (i as usize) < limit);
+        let uploaded = shape.points().len();
+        let sound = below(shape.faces().as_flattened(), uploaded)
+            && shape.labels().is_none_or(|labels| labels.len() == uploaded)
+            && below(&placeless, uploaded)
+            && placeless.is_sorted();
+        if !sound {
+            return Err(fail("its points, faces and labels do not fit together"));
+        }
+        let shape = shape.with_placeless(placeless);
+        let resampled = match optional("standsFor")? {
+            None => None,
+            Some(stands_for) => {
+                let added = f64s("added")?.as_chunks::<3>().0.to_vec();
+                let faces = u32s("resampledFaces")?.as_chunks::<3>().0.to_vec();
+                Some(Resampled::from_tables(&shape, added, faces, stands_for).ok_or_else(|| fail("its surface is another"))?)
+            }
+        };
+        let (n, carriers) = (uploaded + resampled.as_ref().map_or(0, |found| found.stands_for.len()), mass.len());
+        let p = support.points_used(n);
         let fits = |table: &Option<Vec<u32>>, length: usize, limit: usize| {
             table.as_ref().is_none_or(|table| table.len() == length && below(table, limit))
         };
@@ -159,20 +185,15 @@ impl PreparedShape {
             && support.used.is_some() == support.used_of.is_some()
             && (support.carriers.is_some() || carriers == n)
             && support.unmatched.as_deref().is_none_or(|points| below(points, n))
-            && below(&placeless, n)
-            && placeless.is_sorted()
             && below(&coarse, p)
             && (surface.normals.len(), surface.cell.len()) == (p, p)
             && below(&surface.cell, coarse.len())
             && below(surface.adjacent.as_flattened(), coarse.len())
-            && below(shape.faces().as_flattened(), n)
-            && shape.labels().is_none_or(|l| l.len() == n)
             && p > 0
             && features.len() % p == 0;
         if !consistent {
             return Err(fail("its tables do not fit together"));
         }
-        let shape = shape.with_placeless(placeless);
         let features = Array2::from_shape_vec((p, features.len() / p), features).map_err(matrix)?;
         let learned = |name: &str| -> Result<Array2<f32>, BlockError> {
             let found = values::<f32>(&block, name, Dtype::F32)?;
@@ -191,7 +212,7 @@ impl PreparedShape {
             embeddings.push(PointEmbedding { weights, category: Arc::new(category), features, parts });
         }
         let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
-        Ok(Self { shape, info, repairs, basis, support, coarse, surface, features, embeddings })
+        Ok(Self { shape, resampled, info, repairs, basis, support, coarse, surface, features, embeddings })
     }
 }
 

@@ -10,7 +10,7 @@ use crate::registration::distinct;
 
 /// Part labels at the points used.
 pub(crate) fn labels_used(shape: &PreparedShape, scan: &str) -> Result<Vec<u32>, OptionError> {
-    let labels = shape.shape.labels().ok_or_else(|| OptionError::no_labels(scan))?;
+    let labels = shape.sampled_shape().labels().ok_or_else(|| OptionError::no_labels(scan))?;
     Ok((0..shape.points_used()).map(|row| labels[shape.support.uploaded(row)]).collect())
 }
 

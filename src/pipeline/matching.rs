@@ -85,7 +85,7 @@ pub(crate) async fn match_with_cues<D: Device>(
         Parts::Given => Some((labels_used(a, "a")?, labels_used(b, "b")?)),
         Parts::Predicted | Parts::None => None,
     };
-    let labels = parts.as_ref().and_then(|_| a.shape.labels().zip(b.shape.labels()));
+    let labels = parts.as_ref().and_then(|_| a.sampled_shape().labels().zip(b.sampled_shape().labels()));
     let parts = parts.as_ref().map(|(of_a, of_b)| (&of_a[..], &of_b[..]));
     if let Some((of_a, of_b)) = labels
         && shared_labels(of_a, of_b).is_empty()
@@ -133,10 +133,11 @@ pub(crate) async fn match_with_cues<D: Device>(
         .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));
     warnings.extend(of_map(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
     progress.at(Stage::Correspondence, 0.9)?;
-    let (mut a_to_b, mut b_to_a) = (
-        lift(&a_to_b, a.sampled(), b.sampled(), labels),
-        lift(&b_to_a, b.sampled(), a.sampled(), labels.map(|(of_a, of_b)| (of_b, of_a))),
-    );
+    let lifted = |found: &Correspondence, from: &PreparedShape, to: &PreparedShape, labels| {
+        from.between_uploaded(lift(found, from.sampled(), to.sampled(), labels), to)
+    };
+    let (mut a_to_b, mut b_to_a) =
+        (lifted(&a_to_b, a, b, labels), lifted(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
     warnings.extend(contradicted(&options.landmarks, [a, b], [&a_to_b, &b_to_a], predicted));
     for &[i, j] in &options.landmarks {
         a_to_b.set(i, j);
@@ -147,7 +148,7 @@ pub(crate) async fn match_with_cues<D: Device>(
     let matched = Match {
         a_to_b,
         b_to_a,
-        raw: raw.map(|raw| lift(&raw, a.sampled(), b.sampled(), labels)),
+        raw: raw.map(|raw| lifted(&raw, a, b, labels)),
         c_ab: FunctionalMap { matrix: in_uploaded_units(maps.c_ab, a, b) },
         c_ba: FunctionalMap { matrix: in_uploaded_units(maps.c_ba, b, a) },
         seconds: progress.take_seconds(),

@@ -15,8 +15,8 @@ use crate::operators::{self, EdgeFilter, Laplacian, LaplacianKind, gradient_arou
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::registration::COARSE;
 use crate::shape::{
-    Axis, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, Strays, THIN_LIMIT, counted, farthest_points,
-    set_strays_aside, support,
+    Axis, MESH_LIMIT, MIN_POINTS, Repair, Resampled, Shape, ShapeError, Shells, Strays, THIN_LIMIT, counted,
+    farthest_points, set_strays_aside, shells, support,
 };
 use crate::spectrum::{SpectralBasis, SpectrumReport, check_size};
 
@@ -175,7 +175,7 @@ pub(crate) fn prepare_with_carriers(
     let mut repairs = as_read.repairs().to_vec();
     let n = as_read.points().len();
     let placed = n - as_read.placeless().len();
-    let in_faces = surface_points(&as_read).len();
+    let in_faces = surface_points(&as_read, None).len();
     let used_shape = match options.faces {
         FaceUse::Use if as_read.faces().is_empty() || 2 * in_faces >= placed => as_read.welded(),
         FaceUse::Use => {
@@ -187,7 +187,21 @@ pub(crate) fn prepare_with_carriers(
     };
 
     progress.at(Stage::Sample, 0.0)?;
-    let surface = surface_points(&used_shape);
+    let shells = (options.laplacian.is_none() && !used_shape.faces().is_empty())
+        .then(|| shells(&used_shape, options.points))
+        .flatten();
+    let (used_shape, resampled) = match shells {
+        Some(Shells { surface, count, largest }) => {
+            let message = format!(
+                "the mesh is put together from {count} shells, of which the largest has {:.0} % of the area: taken as one body by how near they lie, like a cloud of points on all of them",
+                100.0 * largest
+            );
+            repairs.push(Repair::noted("shells-joined", count, message));
+            (surface.shape.clone().without_faces(), Some(surface))
+        }
+        None => (used_shape, None),
+    };
+    let surface = surface_points(&used_shape, resampled.as_ref());
     // Cotangents need the mesh; the other kinds are built on the points that are used.
     let kind = options.laplacian.unwrap_or(operators::default_kind(&used_shape));
     let on_mesh = kind == LaplacianKind::Cotangent && !used_shape.faces().is_empty();
@@ -239,7 +253,7 @@ pub(crate) fn prepare_with_carriers(
     repairs.extend(operator_shape.wind_alike());
     support.unmatched = (!unmatched.is_empty()).then_some(unmatched);
     let used: Vec<[f64; 3]> =
-        (0..support.points_used(n)).map(|row| used_shape.points()[support.uploaded(row)]).collect();
+        (0..support.points_used(used_shape.points().len())).map(|row| used_shape.points()[support.uploaded(row)]).collect();
     let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut report)?;
 
     let carriers = Carriers::new(operator_shape);
@@ -265,6 +279,7 @@ pub(crate) fn prepare_with_carriers(
     };
     let prepared = PreparedShape {
         shape: as_read,
+        resampled,
         info,
         repairs,
         basis,
@@ -310,9 +325,10 @@ pub(crate) fn network_inputs(
 }
 
 /// Points that carry surface: of a mesh those that belong to a face, of a cloud one at each place, because copies would take the
-/// places of neighbours.
-fn surface_points(shape: &Shape) -> Vec<u32> {
-    if shape.faces().is_empty() {
+/// places of neighbours; of a surface that was sampled anew those that lie on it.
+fn surface_points(shape: &Shape, resampled: Option<&Resampled>) -> Vec<u32> {
+    let faces = resampled.map_or(shape.faces(), |resampled| resampled.shape.faces());
+    if faces.is_empty() {
         return shape
             .first_at_place()
             .iter()
@@ -322,7 +338,7 @@ fn surface_points(shape: &Shape) -> Vec<u32> {
             .collect();
     }
     let mut on_surface = vec![false; shape.points().len()];
-    shape.faces().iter().flatten().for_each(|&i| on_surface[i as usize] = true);
+    faces.iter().flatten().for_each(|&i| on_surface[i as usize] = true);
     (0..on_surface.len() as u32).filter(|&i| on_surface[i as usize]).collect()
 }
 

@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 use crate::descriptors::SampledSurface;
 use crate::device::Fallback;
 use crate::lifting::Sampled;
-use crate::maps::Matchable;
+use crate::maps::{Matchable, UNMATCHED};
 use crate::network::{Category, PointEmbedding, TrainedNetwork, WeightsId};
 use crate::operators::LaplacianKind;
-use crate::shape::{self, Repair, Shape, Support};
+use crate::maps::Correspondence;
+use crate::shape::{self, Repair, Resampled, Shape, Support};
 use crate::spectrum::SpectralBasis;
 use crate::vector::{cross, dot, minus};
 
@@ -64,6 +65,8 @@ pub enum ShapeKind {
 pub struct PreparedShape {
     /// The scan as read.
     pub shape: Shape,
+    /// Its surface with points between the uploaded ones, where these could not carry a basis; `support` is then about the points of that.
+    pub resampled: Option<Resampled>,
     /// What was found about it.
     pub info: Info,
     /// Repairs of reading and of preparing.
@@ -85,12 +88,29 @@ pub struct PreparedShape {
 impl PreparedShape {
     /// Points used, p.
     pub fn points_used(&self) -> usize {
-        self.support.points_used(self.shape.points().len())
+        self.support.points_used(self.sampled_shape().points().len())
+    }
+
+    /// The shape that `support` is about.
+    pub(crate) fn sampled_shape(&self) -> &Shape {
+        self.resampled.as_ref().map_or(&self.shape, |resampled| &resampled.shape)
+    }
+
+    /// What was found between the points of this shape and another one as `resampled`, between the uploaded points.
+    pub(crate) fn between_uploaded(&self, mut found: Correspondence, to: &Self) -> Correspondence {
+        let n = self.shape.points().len();
+        found.target.truncate(n);
+        found.confidence.truncate(n);
+        if let Some(resampled) = &to.resampled {
+            let uploaded = |target: &mut u32| *target = resampled.uploaded(*target);
+            found.target.iter_mut().filter(|target| **target != UNMATCHED).for_each(uploaded);
+        }
+        found
     }
 
     /// The scan and which of its points were used.
     pub(crate) fn sampled(&self) -> Sampled<'_> {
-        Sampled { shape: &self.shape, support: &self.support, scale: self.info.scale }
+        Sampled { shape: self.sampled_shape(), support: &self.support, scale: self.info.scale }
     }
 
     /// The shape at unit area, at the points used. What depends on weights (`prior`) is left out.
@@ -111,7 +131,8 @@ impl PreparedShape {
         // Equal to the area for every Laplacian but the literal one, whose masses are counts.
         let total: f64 = mass.sum();
         mass /= total;
-        let mut points = Array2::from_shape_fn((p, 3), |(row, c)| self.shape.points()[self.support.uploaded(row)][c]);
+        let places = self.sampled_shape().points();
+        let mut points = Array2::from_shape_fn((p, 3), |(row, c)| places[self.support.uploaded(row)][c]);
         let centroid = mass.dot(&points);
         points -= &centroid;
         points /= self.info.scale;
@@ -141,7 +162,7 @@ impl PreparedShape {
 
     /// Positions (p, 3) of the points used, in the unit of the upload.
     pub(crate) fn points_of_rows(&self) -> Vec<[f64; 3]> {
-        (0..self.points_used()).map(|row| self.shape.points()[self.support.uploaded(row)]).collect()
+        (0..self.points_used()).map(|row| self.sampled_shape().points()[self.support.uploaded(row)]).collect()
     }
 
     /// The predicted part of each uploaded point, a part of [`category`](Self::category); nothing when no network was asked.
@@ -154,7 +175,7 @@ impl PreparedShape {
     pub fn point_areas(&self) -> Vec<f64> {
         let n = self.shape.points().len();
         let mut areas = vec![0.0; n];
-        if self.info.kind == ShapeKind::Mesh {
+        if self.info.kind == ShapeKind::Mesh || self.resampled.is_some() {
             for face in self.shape.faces() {
                 let [a, b, c] = face.map(|i| self.shape.points()[i as usize]);
                 let normal = cross(minus(b, a), minus(c, a));

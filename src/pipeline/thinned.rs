@@ -23,7 +23,7 @@ impl PreparedShape {
         if p <= most {
             return Ok(Cow::Borrowed(self));
         }
-        let places: Vec<[f64; 3]> = (0..p).map(|row| self.shape.points()[self.support.uploaded(row)]).collect();
+        let places: Vec<[f64; 3]> = (0..p).map(|row| self.sampled_shape().points()[self.support.uploaded(row)]).collect();
         let all: Vec<u32> = (0..p as u32).collect();
         // It begins with the sampling that refinement runs on.
         let chosen = farthest_points(&places, &all, most, report)?;
@@ -31,8 +31,8 @@ impl PreparedShape {
         chosen.iter().zip(0..).for_each(|(&row, new)| place[row as usize] = new);
         let coarse: Vec<u32> = self.coarse.iter().map(|&row| place[row as usize]).collect();
         let surface = match self.info.kind {
-            ShapeKind::Mesh => self.shape.welded(),
-            ShapeKind::Cloud => self.shape.clone().without_faces(),
+            ShapeKind::Mesh => self.sampled_shape().welded(),
+            ShapeKind::Cloud => self.sampled_shape().clone().without_faces(),
         };
         let uploaded: Vec<u32> = chosen.iter().map(|&row| self.support.uploaded(row as usize) as u32).collect();
         let stands_for = cells(&surface, &uploaded);
@@ -51,6 +51,7 @@ impl PreparedShape {
         };
         Ok(Cow::Owned(Self {
             shape: self.shape.clone(),
+            resampled: self.resampled.clone(),
             info: self.info.clone(),
             repairs: self.repairs.clone(),
             basis: self.basis.clone(),
