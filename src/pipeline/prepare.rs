@@ -16,7 +16,7 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::registration::COARSE;
 use crate::shape::{
     Axis, MESH_LIMIT, MIN_POINTS, Repair, Resampled, Shape, ShapeError, Shells, Strays, THIN_LIMIT, counted,
-    farthest_points, set_strays_aside, shells, support,
+    farthest_points, set_strays_aside, shells, support, without_spikes,
 };
 use crate::spectrum::{SpectralBasis, SpectrumReport, check_size};
 
@@ -187,6 +187,19 @@ pub(crate) fn prepare_with_carriers(
     };
 
     progress.at(Stage::Sample, 0.0)?;
+    let mut resampled = None;
+    let mut used_shape = used_shape;
+    if let Some(faces) = without_spikes(&used_shape) {
+        let cut = used_shape.faces().len() - faces.len();
+        let message = format!(
+            "{} off the surface, as spikes to points that were measured wrongly and curtains between what is in front and what is behind do; left out",
+            counted(cut, "face leads", "faces lead")
+        );
+        repairs.push(Repair::noted("spikes-cut", cut, message));
+        let surface = Resampled::without_added(&used_shape, faces);
+        used_shape = surface.shape.clone();
+        resampled = Some(surface);
+    }
     let shells = (options.laplacian.is_none() && !used_shape.faces().is_empty())
         .then(|| shells(&used_shape, options.points))
         .flatten();
@@ -199,7 +212,7 @@ pub(crate) fn prepare_with_carriers(
             repairs.push(Repair::noted("shells-joined", count, message));
             (surface.shape.clone().without_faces(), Some(surface))
         }
-        None => (used_shape, None),
+        None => (used_shape, resampled),
     };
     let surface = surface_points(&used_shape, resampled.as_ref());
     // Cotangents need the mesh; the other kinds are built on the points that are used.

@@ -10,6 +10,7 @@ mod resampled;
 mod sample;
 mod shells;
 mod simplify;
+mod spikes;
 mod spread;
 mod strays;
 mod support;
@@ -28,6 +29,7 @@ pub use shells::{Shells, shells};
 #[cfg(feature = "train")]
 pub use simplify::{Simplified, draw_together};
 pub use simplify::{THIN_LIMIT, cells, simplify};
+pub use spikes::without_spikes;
 pub use strays::{Strays, set_strays_aside};
 pub use support::{MESH_LIMIT, Support, support};
 

@@ -22,6 +22,11 @@ impl Resampled {
         Self { shape: Shape::already_valid(points, faces, labels).with_placeless(shape.placeless().to_vec()), stands_for }
     }
 
+    /// The same points with other faces.
+    pub(crate) fn without_added(shape: &Shape, faces: Vec<[u32; 3]>) -> Self {
+        Self::of(shape, Vec::new(), faces, Vec::new())
+    }
+
     /// From tables of a stored one, if they fit together.
     pub(crate) fn from_tables(
         shape: &Shape,
