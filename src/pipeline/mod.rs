@@ -1,6 +1,7 @@
 //! The method, in order. The only room that knows it: [`prepare`] takes a scan to what can be matched, [`match_shapes`] two of these to a correspondence.
 
 mod block;
+mod body;
 mod choice;
 mod contact;
 mod error;
@@ -13,6 +14,7 @@ mod options;
 mod prepare;
 mod prepared;
 mod processor;
+mod surface;
 mod thinned;
 mod warnings;
 

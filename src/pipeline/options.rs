@@ -26,6 +26,8 @@ pub struct PrepareOptions {
     pub eigenpairs: usize,
     /// The axis that points up, where it is known; only shown so far, since matching does not depend on it.
     pub up: Option<Axis>,
+    /// Whether all of the scan is the body. Else floors, furniture and other bodies are set aside where the network is more certain of what is left; the repairs say so.
+    pub whole_scan: bool,
     /// Whether, where limbs in contact are told apart, the gradients that the network sees leave out edges between them too, as operator, basis and surface do. Off:
     /// the network was trained on gradients that know no parts, and on 12 pairs of the generator's held-out bodies as clouds (of 24, seeds from 900001)
     /// matches have 3.35 with it and 3.30 without (×100/√area). For measurements; not an option of the package.
@@ -47,6 +49,7 @@ impl Default for PrepareOptions {
             laplacian: None,
             eigenpairs: 120,
             up: None,
+            whole_scan: false,
             part_aware_gradients: false,
             name: None,
             progress: Listener::default(),

@@ -5,9 +5,11 @@ use std::ops::Range;
 
 use ndarray::{Array2, s};
 
+use super::body::{Scan, body_of};
 use super::contact::edges_between_limbs;
 use super::geometry::{Carriers, Geometry};
-use super::{Error, FaceUse, Info, PrepareOptions, PreparedShape, ShapeKind};
+use super::surface::Surface;
+use super::{Error, Info, PrepareOptions, PreparedShape, ShapeKind};
 use crate::device::{Cpu, Device, Interrupted, still_well};
 use crate::graph::components;
 use crate::network::{InputConfig, Model, PointEmbedding, ShapeInputs, TrainedNetwork};
@@ -15,8 +17,8 @@ use crate::operators::{self, EdgeFilter, Laplacian, LaplacianKind, gradient_arou
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::registration::COARSE;
 use crate::shape::{
-    Axis, MESH_LIMIT, MIN_POINTS, Repair, Resampled, Shape, ShapeError, Shells, Strays, THIN_LIMIT, counted,
-    farthest_points, set_strays_aside, shells, support, without_spikes,
+    Axis, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, Strays, THIN_LIMIT, counted, farthest_points,
+    set_strays_aside, support,
 };
 use crate::spectrum::{SpectralBasis, SpectrumReport, check_size};
 
@@ -41,7 +43,8 @@ pub async fn prepare_with<D: Device>(
     progress: &mut Progress<'_>,
 ) -> Result<PreparedShape, Error> {
     let wanted = model.weights().map(|weights| weights.config.eigenpairs).max().unwrap_or(0);
-    let (mut prepared, carriers, laplacian) = prepare_with_carriers(shape, name, options, wanted, progress)?;
+    let scan = Scan { shape, name, options, wanted };
+    let (mut prepared, carriers, laplacian) = body_of(model, scan, progress).await?;
     if prepared.basis.k() < wanted {
         let found = prepared.basis.k();
         let message = format!(
@@ -52,7 +55,6 @@ pub async fn prepare_with<D: Device>(
     // Kept through the network only where it may be needed again.
     let by_default = prepared.info.kind == ShapeKind::Cloud && options.laplacian.is_none();
     let laplacian = by_default.then_some(laplacian);
-    ask(model, &mut prepared, &carriers, None, 0.2..0.4, progress).await?;
     let home = prepared.embeddings.first().cloned();
     let in_contact =
         laplacian.zip(home).and_then(|(laplacian, home)| Some((edges_between_limbs(&laplacian, &home)?, home)));
@@ -103,7 +105,7 @@ fn not_proved(report: &SpectrumReport, basis: &SpectralBasis) -> Option<Repair> 
 }
 
 /// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with.
-async fn ask<D: Device>(
+pub(super) async fn ask<D: Device>(
     model: &Model<D>,
     prepared: &mut PreparedShape,
     carriers: &Carriers,
@@ -161,12 +163,13 @@ async fn embed<D: Device>(
     if embedding.is_finite() { Ok(embedding) } else { Err(Interrupted::NotFinite(Stage::Features)) }
 }
 
-/// All of [`prepare`] but the network, the carriers that operators were built on, and their Laplacian. The basis has `wanted` eigenpairs where fewer were asked for; memory for those
+/// All of [`prepare`] but the network, the carriers that operators were built on, and their Laplacian. Points `aside` (ascending) belong to something else. The basis has `wanted` eigenpairs where fewer were asked for; memory for those
 /// that were must be there, for the others it is nice to have.
 pub(crate) fn prepare_with_carriers(
     shape: Shape,
     name: Option<String>,
     options: &PrepareOptions,
+    aside: &[u32],
     wanted: usize,
     progress: &mut Progress,
 ) -> Result<(PreparedShape, Carriers, Laplacian), Error> {
@@ -174,47 +177,8 @@ pub(crate) fn prepare_with_carriers(
     let as_read = shape;
     let mut repairs = as_read.repairs().to_vec();
     let n = as_read.points().len();
-    let placed = n - as_read.placeless().len();
-    let in_faces = surface_points(&as_read, None).len();
-    let used_shape = match options.faces {
-        FaceUse::Use if as_read.faces().is_empty() || 2 * in_faces >= placed => as_read.welded(),
-        FaceUse::Use => {
-            let message = format!("only {in_faces} of {placed} points belong to a face: the scan was taken as a cloud");
-            repairs.push(Repair::noted("faces-set-aside", as_read.faces().len(), message));
-            as_read.clone().without_faces()
-        }
-        FaceUse::Ignore => as_read.clone().without_faces(),
-    };
-
     progress.at(Stage::Sample, 0.0)?;
-    let mut resampled = None;
-    let mut used_shape = used_shape;
-    if let Some(faces) = without_spikes(&used_shape) {
-        let cut = used_shape.faces().len() - faces.len();
-        let message = format!(
-            "{} off the surface, as spikes to points that were measured wrongly and curtains between what is in front and what is behind do; left out",
-            counted(cut, "face leads", "faces lead")
-        );
-        repairs.push(Repair::noted("spikes-cut", cut, message));
-        let surface = Resampled::without_added(&used_shape, faces);
-        used_shape = surface.shape.clone();
-        resampled = Some(surface);
-    }
-    let shells = (options.laplacian.is_none() && !used_shape.faces().is_empty())
-        .then(|| shells(&used_shape, options.points))
-        .flatten();
-    let (used_shape, resampled) = match shells {
-        Some(Shells { surface, count, largest }) => {
-            let message = format!(
-                "the mesh is put together from {count} shells, of which the largest has {:.0} % of the area: taken as one body by how near they lie, like a cloud of points on all of them",
-                100.0 * largest
-            );
-            repairs.push(Repair::noted("shells-joined", count, message));
-            (surface.shape.clone().without_faces(), Some(surface))
-        }
-        None => (used_shape, resampled),
-    };
-    let surface = surface_points(&used_shape, resampled.as_ref());
+    let Surface { shape: used_shape, resampled, points: surface } = Surface::of(&as_read, aside, options, &mut repairs);
     // Cotangents need the mesh; the other kinds are built on the points that are used.
     let kind = options.laplacian.unwrap_or(operators::default_kind(&used_shape));
     let on_mesh = kind == LaplacianKind::Cotangent && !used_shape.faces().is_empty();
@@ -222,12 +186,12 @@ pub(crate) fn prepare_with_carriers(
     let most = options.points.saturating_add(more).max(if on_mesh { MESH_LIMIT } else { 0 });
     check_size(surface.len().min(most), options.eigenpairs)?;
     let wanted = if check_size(surface.len().min(most), wanted).is_ok() { wanted } else { 0 };
-    let aside = set_strays_aside(&used_shape, &surface);
+    let aside = set_strays_aside(&used_shape, &surface, aside);
     let mut unmatched = aside.unmatched();
     unmatched.extend(used_shape.placeless());
     unmatched.sort_unstable();
     unmatched.dedup();
-    let Strays { body: surface, strays, far, pieces: stray_pieces, far_vertices } = aside;
+    let Strays { body: surface, strays, far, pieces: stray_pieces, far_vertices, .. } = aside;
     repairs.extend(Repair::counted("crumbs-set-aside", strays.len(), || {
         let bits = counted(stray_pieces, "bit", "bits");
         format!(
@@ -335,24 +299,6 @@ pub(crate) fn network_inputs(
     });
     let [along, across] = &gradients;
     Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), config))
-}
-
-/// Points that carry surface: of a mesh those that belong to a face, of a cloud one at each place, because copies would take the
-/// places of neighbours; of a surface that was sampled anew those that lie on it.
-fn surface_points(shape: &Shape, resampled: Option<&Resampled>) -> Vec<u32> {
-    let faces = resampled.map_or(shape.faces(), |resampled| resampled.shape.faces());
-    if faces.is_empty() {
-        return shape
-            .first_at_place()
-            .iter()
-            .zip(0..)
-            .filter(|&(&first, i)| first == i && shape.placeless().binary_search(&i).is_err())
-            .map(|(_, i)| i)
-            .collect();
-    }
-    let mut on_surface = vec![false; shape.points().len()];
-    faces.iter().flatten().for_each(|&i| on_surface[i as usize] = true);
-    (0..on_surface.len() as u32).filter(|&i| on_surface[i as usize]).collect()
 }
 
 /// Connected pieces of the surface or neighbourhood graph; points without surface do not count.

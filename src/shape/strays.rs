@@ -36,22 +36,24 @@ pub struct Strays {
     pub pieces: usize,
     /// Vertices of a mesh that are in no face and far from the body, ascending.
     pub far_vertices: Vec<u32>,
+    /// Those that were aside before and are far from the body, with their copies, ascending.
+    pub far_aside: Vec<u32>,
 }
 
 impl Strays {
     /// All points that nothing on the body can stand for, ascending.
     pub fn unmatched(&self) -> Vec<u32> {
-        let mut all = [&self.far[..], &self.far_vertices[..]].concat();
+        let mut all = [&self.far[..], &self.far_vertices[..], &self.far_aside[..]].concat();
         all.sort_unstable();
         all
     }
 }
 
-/// Parts the points that count, `surface`, into the body and strays.
+/// Parts the points that count, `surface`, into the body and strays; `aside` are points that do not count since they belong to other things, ascending.
 ///
 /// Every piece of a scan has an eigenvalue of zero and takes one of the k eigenfunctions, so sixty strays leave half a basis; and a stray far from the
 /// body is the first that an even sampling picks.
-pub fn set_strays_aside(shape: &Shape, surface: &[u32]) -> Strays {
+pub fn set_strays_aside(shape: &Shape, surface: &[u32], aside: &[u32]) -> Strays {
     let (piece, weight) = match shape.faces().is_empty() {
         true => pieces_of_cloud(&at(shape, surface)),
         false => pieces_of_mesh(shape, surface),
@@ -66,16 +68,19 @@ pub fn set_strays_aside(shape: &Shape, surface: &[u32]) -> Strays {
             body.push(i);
         }
     }
-    let bare = points_in_no_face(shape, surface);
-    if strays.is_empty() && bare.is_empty() {
-        return Strays { body, strays, far: Vec::new(), pieces: 0, far_vertices: Vec::new() };
+    let first = shape.first_at_place();
+    let aside = with_copies(aside, first);
+    let mut bare = points_in_no_face(shape, surface);
+    bare.retain(|i| aside.binary_search(i).is_err());
+    if strays.is_empty() && bare.is_empty() && aside.is_empty() {
+        return Strays { body, strays, far: Vec::new(), pieces: 0, far_vertices: Vec::new(), far_aside: Vec::new() };
     }
     let from_body = |points: &[u32]| far_from(&at(shape, &body), &at(shape, points), points);
     let far_vertices = from_body(&bare);
+    let far_aside = from_body(&aside);
     let far = from_body(&strays);
-    let first = shape.first_at_place();
     let [strays, far] = [strays, far].map(|points| with_copies(&points, first));
-    Strays { body, strays, far, pieces: pieces.len(), far_vertices }
+    Strays { body, strays, far, pieces: pieces.len(), far_vertices, far_aside }
 }
 
 /// Of a mesh the points that lie where none of `surface` lies, ascending.

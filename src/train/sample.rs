@@ -46,7 +46,7 @@ impl Sample {
             ..PrepareOptions::default()
         };
         let mut progress = Progress::silent();
-        let (prepared, carriers, _) = prepare_with_carriers(shape, None, &options, 0, &mut progress)?;
+        let (prepared, carriers, _) = prepare_with_carriers(shape, None, &options, &[], 0, &mut progress)?;
         let labels = prepared.shape.labels().unwrap_or_default();
         let used: Vec<usize> = (0..prepared.points_used()).map(|row| prepared.support.uploaded(row)).collect();
         let labels = used.iter().map(|&i| labels[i]).collect();

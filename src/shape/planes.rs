@@ -1,0 +1,114 @@
+//! Flat patches of a surface: floors, walls, the sides of furniture.
+
+use faer::{Mat, Side};
+
+use crate::graph::{Forest, Neighbours};
+use crate::vector::{dot, minus};
+
+/// Points that a plane is tried around, evenly taken from all.
+const SEEDS: usize = 400;
+/// Most planes that are looked for.
+const MOST: usize = 12;
+/// A patch has at least this share of the points.
+const LEAST: f64 = 0.025;
+/// A point lies on a plane within this part of the spacing.
+const THICK: f64 = 0.4;
+/// And the surface around it is turned from the plane by no more than the angle of this cosine.
+const AGREES: f64 = 0.9;
+
+/// A flat patch.
+pub struct Patch {
+    /// Unit normal.
+    pub normal: [f64; 3],
+    /// Along the normal, from the origin.
+    pub offset: f64,
+    /// Points on it, ascending.
+    pub points: Vec<u32>,
+}
+
+impl Patch {
+    /// Distance of a place from the plane, signed.
+    pub fn height(&self, place: [f64; 3]) -> f64 {
+        dot(self.normal, place) - self.offset
+    }
+}
+
+/// The flat patches among evenly spread `points`, `spacing` apart, largest first. Points of one patch hang together by `neighbours`.
+pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) -> Vec<Patch> {
+    let n = neighbours.len();
+    let normals: Vec<[f64; 3]> = (0..n)
+        .map(|i| plane_of(neighbours.of(i).iter().chain([&(i as u32)]).map(|&j| points[j as usize])).0)
+        .collect();
+    let thick = THICK * spacing;
+    let mut free = vec![true; n];
+    let mut patches = Vec::new();
+    while patches.len() < MOST {
+        let on_plane = |normal: [f64; 3], offset: f64| {
+            let (free, normals) = (&free, &normals);
+            (0..n).filter(move |&i| {
+                free[i]
+                    && (dot(normal, points[i]) - offset).abs() <= thick
+                    && dot(normal, normals[i]).abs() >= AGREES
+            })
+        };
+        let seeds = (0..n).step_by((n / SEEDS).max(1)).filter(|&i| free[i]);
+        let best = seeds
+            .map(|i| (on_plane(normals[i], dot(normals[i], points[i])).count(), i))
+            .max_by_key(|&(count, i)| (count, std::cmp::Reverse(i)));
+        let Some((_, seed)) = best.filter(|&(count, _)| count as f64 >= LEAST * n as f64) else { break };
+        // Fitted anew to what lies on it, twice: the first comes from a few points.
+        let (mut normal, mut offset) = (normals[seed], dot(normals[seed], points[seed]));
+        for _ in 0..2 {
+            let (fitted, middle) = plane_of(on_plane(normal, offset).map(|i| points[i]));
+            (normal, offset) = (fitted, dot(fitted, middle));
+        }
+        let on: Vec<u32> = on_plane(normal, offset).map(|i| i as u32).collect();
+        let patch = largest_together(&on, neighbours);
+        // What was looked at is not looked at again.
+        on.iter().for_each(|&i| free[i as usize] = false);
+        if patch.len() as f64 >= LEAST * n as f64 {
+            patches.push(Patch { normal, offset, points: patch });
+        }
+    }
+    patches.sort_by_key(|patch| std::cmp::Reverse(patch.points.len()));
+    patches
+}
+
+/// The most of `points`, ascending, that hang together.
+fn largest_together(points: &[u32], neighbours: &Neighbours) -> Vec<u32> {
+    let mut among = vec![false; neighbours.len()];
+    points.iter().for_each(|&i| among[i as usize] = true);
+    let mut forest = Forest::new(neighbours.len());
+    for &i in points {
+        neighbours.of(i as usize).iter().filter(|&&j| among[j as usize]).for_each(|&j| {
+            forest.join(i, j);
+        });
+    }
+    let roots: Vec<u32> = points.iter().map(|&i| forest.root(i)).collect();
+    let mut sizes = vec![0; neighbours.len()];
+    roots.iter().for_each(|&root| sizes[root as usize] += 1);
+    let Some(&largest) = roots.iter().max_by_key(|&&root| (sizes[root as usize], std::cmp::Reverse(root))) else {
+        return Vec::new();
+    };
+    points.iter().zip(&roots).filter(|(_, root)| **root == largest).map(|(&i, _)| i).collect()
+}
+
+/// Unit normal of the plane that points lie on best, and their middle.
+fn plane_of(points: impl Iterator<Item = [f64; 3]> + Clone) -> ([f64; 3], [f64; 3]) {
+    let count = points.clone().count().max(1) as f64;
+    let middle: [f64; 3] = std::array::from_fn(|c| points.clone().map(|p| p[c]).sum::<f64>() / count);
+    let mut spread = Mat::<f64>::zeros(3, 3);
+    for p in points {
+        let d = minus(p, middle);
+        for r in 0..3 {
+            for c in 0..3 {
+                spread[(r, c)] += d[r] * d[c];
+            }
+        }
+    }
+    let normal = spread.self_adjoint_eigen(Side::Lower).map_or([0.0, 0.0, 1.0], |eigen| {
+        // Eigenvalues ascend.
+        std::array::from_fn(|c| eigen.U()[(c, 0)])
+    });
+    (normal, middle)
+}

@@ -1,0 +1,267 @@
+//! What else is in a scan beside the body: floors, walls, furniture, other bodies.
+//!
+//! Geometry alone cannot tell a box that somebody sits on from the head of a box-headed figure. So it only proposes what the body may be without; who knows what
+//! bodies look like chooses.
+
+use std::collections::BTreeMap;
+
+use super::planes::{Patch, flat_patches};
+use super::{Shape, resampled};
+use crate::graph::{Forest, Neighbours, components, nearest_neighbours};
+use crate::vector::squared_distance;
+
+/// Points that the scene is looked at with, roughly.
+const PROBES: f64 = 4000.0;
+/// No edge of a mesh is longer there, in their spacing.
+const LONGEST_EDGE: f64 = 1.2;
+const AROUND: usize = 10;
+/// Points hang together up to this distance, in the spacing.
+const TOGETHER: f64 = 1.4;
+/// Of those a plane lies under or behind, this share lies on one side.
+const ONE_SIDE: f64 = 0.95;
+/// What lies on a plane that is no floor or wall has another side that is flat, too: all patches together have at least this share.
+const FURNITURE: f64 = 0.08;
+/// Points this near to a patch and to its plane go with it, in the spacing: edges, where no normal tells.
+const BESIDE: f64 = 1.6;
+/// A piece of a mesh of which more than this share goes, goes as a whole; one of which less than the rest goes, stays.
+const MOSTLY: f64 = 0.7;
+/// Other bodies have at least this share of the area of the largest thing.
+const BODY: f64 = 0.05;
+/// Things of which each is tried as the body.
+const TRIED: usize = 3;
+
+/// Something that the body may be without.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposal {
+    /// What is left out.
+    pub what: LeftOut,
+    /// Points to leave out, ascending; copies of them are not named.
+    pub points: Vec<u32>,
+    /// Their share of the area.
+    pub share: f64,
+}
+
+/// What a proposal leaves out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeftOut {
+    /// A plane that all else lies on one side of, with whatever is beyond.
+    Floor,
+    /// Flat patches that hang together, as of a box or a chair.
+    Furniture,
+    /// All but one of the things that do not touch.
+    OtherThings,
+}
+
+/// What a welded mesh or a cloud, without the points `aside`, may be without. Proposals of one kind exclude each other; each has another body.
+pub fn proposals(shape: &Shape, aside: &[u32]) -> Vec<Proposal> {
+    let scene = Scene::new(shape, aside);
+    let mut found = scene.without_planes();
+    found.extend(scene.things_alone());
+    found.retain(|proposal| !proposal.points.is_empty());
+    found
+}
+
+/// Evenly spread points of a scan.
+struct Scene {
+    places: Vec<[f64; 3]>,
+    neighbours: Neighbours,
+    spacing: f64,
+    /// For each uploaded point that counts the probe that stands for it.
+    probe_of: Vec<(u32, u32)>,
+    /// For each of these its piece of the mesh; all of a cloud are one.
+    piece: Vec<u32>,
+}
+
+impl Scene {
+    fn new(shape: &Shape, aside: &[u32]) -> Self {
+        let kept = |i: u32| aside.binary_search(&i).is_err();
+        let n = shape.points().len();
+        let (spacing, all, piece): (f64, Vec<([f64; 3], u32)>, Vec<u32>);
+        if shape.faces().is_empty() {
+            let points: Vec<u32> = (0..n as u32)
+                .filter(|&i| kept(i) && shape.first_at_place()[i as usize] == i)
+                .filter(|i| shape.placeless().binary_search(i).is_err())
+                .collect();
+            all = points.iter().map(|&i| (shape.points()[i as usize], i)).collect();
+            spacing = spacing_of(&all);
+            piece = vec![0; n];
+        } else {
+            let faces: Vec<[u32; 3]> =
+                shape.faces().iter().copied().filter(|face| face.iter().all(|&i| kept(i))).collect();
+            let mesh = Shape::already_valid(shape.points().to_vec(), faces, None);
+            spacing = (mesh.surface_area() / PROBES).sqrt();
+            let fine = resampled(&mesh, LONGEST_EDGE * spacing);
+            let mut used = vec![false; fine.shape.points().len()];
+            fine.shape.faces().iter().flatten().for_each(|&i| used[i as usize] = true);
+            all = (0..used.len())
+                .filter(|&i| used[i])
+                .map(|i| (fine.shape.points()[i], fine.uploaded(i as u32)))
+                .collect();
+            let edges = mesh.faces().iter().flat_map(|&[a, b, c]| [(a, b), (a, c)]);
+            piece = components(n, edges).0;
+        }
+        let (places, probe_of) = one_per_cell(&all, spacing);
+        let neighbours = nearest_neighbours(&places, AROUND);
+        Self { places, neighbours, spacing, probe_of, piece }
+    }
+
+    /// Proposals to leave out flat patches.
+    fn without_planes(&self) -> Vec<Proposal> {
+        let patches = flat_patches(&self.places, &self.neighbours, self.spacing);
+        let mut found = Vec::new();
+        let floor = patches.iter().find_map(|patch| Some((patch, self.side_of_the_rest(patch)?)));
+        if let Some((patch, side)) = floor {
+            let gone = self.beside(std::slice::from_ref(patch));
+            let beyond = |i: usize| side * patch.height(self.places[i]) < self.spacing * 0.5;
+            let gone: Vec<bool> = gone.iter().enumerate().map(|(i, &gone)| gone || beyond(i) && self.near(patch, i)).collect();
+            found.extend(self.proposal(LeftOut::Floor, &gone));
+        }
+        let share = patches.iter().map(|patch| patch.points.len()).sum::<usize>() as f64 / self.places.len() as f64;
+        if share >= FURNITURE && (floor.is_none() || patches.len() > 1) {
+            let mut gone = self.beside(&patches);
+            // Legs and rims that hang on nothing any more go, too.
+            let (things, largest) = self.things(&gone);
+            gone.iter_mut().zip(things).for_each(|(gone, thing)| *gone |= thing != largest);
+            found.extend(self.proposal(LeftOut::Furniture, &gone));
+        }
+        found
+    }
+
+    /// The side of a plane, 1 or −1, on which nearly all that is not on it lies.
+    fn side_of_the_rest(&self, patch: &Patch) -> Option<f64> {
+        let heights = self.places.iter().map(|&place| patch.height(place)).filter(|h| h.abs() > self.spacing);
+        let (above, all) = heights.fold((0, 0), |(above, all): (usize, usize), h| (above + usize::from(h > 0.0), all + 1));
+        let share = above as f64 / all.max(1) as f64;
+        if share >= ONE_SIDE { Some(1.0) } else if share <= 1.0 - ONE_SIDE { Some(-1.0) } else { None }
+    }
+
+    /// Whether a probe lies below or beside a patch and not somewhere else behind its plane.
+    fn near(&self, patch: &Patch, i: usize) -> bool {
+        let reach = (20.0 * self.spacing).powi(2);
+        let place = self.places[i];
+        patch.height(place).abs() <= self.spacing
+            || patch.points.iter().step_by(7).any(|&j| squared_distance(self.places[j as usize], place) <= reach)
+    }
+
+    /// Probes on patches, and those beside one that lie on its plane.
+    fn beside(&self, patches: &[Patch]) -> Vec<bool> {
+        let mut gone = vec![false; self.places.len()];
+        let reach = (BESIDE * self.spacing).powi(2);
+        for patch in patches {
+            let mut front = patch.points.clone();
+            front.iter().for_each(|&i| gone[i as usize] = true);
+            // A patch grows by one step only, and along its plane.
+            front.retain(|&i| self.neighbours.of(i as usize).iter().any(|&j| !gone[j as usize]));
+            for i in front {
+                for &j in self.neighbours.of(i as usize) {
+                    let (p, q) = (self.places[i as usize], self.places[j as usize]);
+                    if squared_distance(p, q) <= reach && patch.height(q).abs() <= 0.5 * self.spacing {
+                        gone[j as usize] = true;
+                    }
+                }
+            }
+        }
+        gone
+    }
+
+    /// For each probe the thing it belongs to, of those that are left, and the largest of these.
+    fn things(&self, gone: &[bool]) -> (Vec<u32>, u32) {
+        let mut forest = Forest::new(self.places.len());
+        let reach = TOGETHER * self.spacing;
+        for i in (0..self.places.len()).filter(|&i| !gone[i]) {
+            for (&j, &d) in self.neighbours.of(i).iter().zip(self.neighbours.distances(i)) {
+                let mutual = || self.neighbours.of(j as usize).contains(&(i as u32));
+                if !gone[j as usize] && (d <= reach || mutual()) {
+                    forest.join(i as u32, j);
+                }
+            }
+        }
+        let thing: Vec<u32> = (0..self.places.len() as u32).map(|i| forest.root(i)).collect();
+        let mut sizes = vec![0_usize; self.places.len()];
+        thing.iter().zip(gone).filter(|(_, gone)| !**gone).for_each(|(&thing, _)| sizes[thing as usize] += 1);
+        let largest = (0..sizes.len()).max_by_key(|&i| (sizes[i], std::cmp::Reverse(i))).unwrap_or(0);
+        (thing, largest as u32)
+    }
+
+    /// Proposals to take one thing alone, of several that do not touch: the largest first.
+    fn things_alone(&self) -> Vec<Proposal> {
+        let none = vec![false; self.places.len()];
+        let (thing, _) = self.things(&none);
+        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
+        thing.iter().for_each(|&thing| *sizes.entry(thing).or_default() += 1);
+        let mut by_size: Vec<(usize, u32)> = sizes.into_iter().map(|(thing, size)| (size, thing)).collect();
+        by_size.sort_by_key(|&(size, thing)| (std::cmp::Reverse(size), thing));
+        let least = BODY * by_size.first().map_or(0.0, |&(size, _)| size as f64);
+        by_size.retain(|&(size, _)| size as f64 >= least);
+        if by_size.len() < 2 {
+            return Vec::new();
+        }
+        let alone = |&(_, body): &(usize, u32)| {
+            let gone: Vec<bool> = thing.iter().map(|&thing| thing != body).collect();
+            self.proposal(LeftOut::OtherThings, &gone)
+        };
+        by_size.iter().take(TRIED).filter_map(alone).collect()
+    }
+
+    /// In uploaded points. Pieces of a mesh stay whole where it is clear that they go or stay.
+    fn proposal(&self, what: LeftOut, gone: &[bool]) -> Option<Proposal> {
+        let mut of_piece: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
+        let piece = |i: u32| self.piece[i as usize];
+        for &(i, probe) in &self.probe_of {
+            let (go, all) = of_piece.entry(piece(i)).or_default();
+            (*go, *all) = (*go + usize::from(gone[probe as usize]), *all + 1);
+        }
+        let goes = |&(i, probe): &(u32, u32)| {
+            let (go, all) = of_piece[&piece(i)];
+            let share = go as f64 / all as f64;
+            if of_piece.len() > 1 && share > MOSTLY {
+                true
+            } else if of_piece.len() > 1 && share < 1.0 - MOSTLY {
+                false
+            } else {
+                gone[probe as usize]
+            }
+        };
+        let mut points: Vec<u32> = self.probe_of.iter().filter(|&pair| goes(pair)).map(|&(i, _)| i).collect();
+        points.dedup();
+        let share = gone.iter().filter(|&&gone| gone).count() as f64 / gone.len().max(1) as f64;
+        (share < 1.0).then_some(Proposal { what, points, share })
+    }
+}
+
+/// The spacing at which some thousand points would cover a cloud: by the cells of a grid that it fills.
+fn spacing_of(points: &[([f64; 3], u32)]) -> f64 {
+    let side = |c: usize| {
+        let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (p, _)| (low.min(p[c]), high.max(p[c])));
+        high - low
+    };
+    let mut spacing = (0..3).map(side).fold(0.0, f64::max) / 16.0;
+    // A surface fills four times as many cells of half the size.
+    for _ in 0..8 {
+        let filled = one_per_cell(points, spacing).0.len() as f64;
+        if filled >= PROBES.min(0.5 * points.len() as f64) {
+            break;
+        }
+        spacing *= (filled / PROBES).sqrt().clamp(0.5, 0.95);
+    }
+    spacing
+}
+
+/// The first point in each cell of a grid, and for every point, ascending, the one in its cell.
+fn one_per_cell(points: &[([f64; 3], u32)], side: f64) -> (Vec<[f64; 3]>, Vec<(u32, u32)>) {
+    let mut cells: BTreeMap<[i64; 3], u32> = BTreeMap::new();
+    let mut places = Vec::new();
+    let mut of: Vec<(u32, u32)> = points
+        .iter()
+        .map(|&(place, i)| {
+            let probe = *cells.entry(place.map(|c| (c / side).floor() as i64)).or_insert_with(|| {
+                places.push(place);
+                places.len() as u32 - 1
+            });
+            (i, probe)
+        })
+        .collect();
+    of.sort_unstable();
+    of.dedup();
+    (places, of)
+}
