@@ -4,6 +4,10 @@
 
 #[path = "readers/contract.rs"]
 mod contract;
+#[path = "readers/encodings.rs"]
+mod encodings;
+#[path = "readers/foreign.rs"]
+mod foreign;
 #[path = "readers/gltf.rs"]
 mod gltf;
 #[path = "readers/hostile.rs"]

@@ -4,7 +4,9 @@
 //! stopped. Point `i` of the shape is point `i` of the file.
 
 mod draft;
+mod encoding;
 mod error;
+mod foreign;
 mod format;
 mod gltf;
 mod obj;
@@ -32,12 +34,17 @@ pub fn read(bytes: &[u8], name: Option<&str>, format: Option<Format>) -> Result<
     if bytes.is_empty() {
         return Err(ReadError::Empty);
     }
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes); // a byte order mark says nothing a reader needs
-    let format = format
-        .or_else(|| Format::of_bytes(bytes))
-        .or_else(|| name.and_then(Format::of_name))
-        .or_else(|| Format::like(bytes))
-        .ok_or_else(|| ReadError::unknown_format(bytes))?;
+    let bytes = &*encoding::in_utf8(bytes);
+    let format = match format.or_else(|| Format::of_bytes(bytes)) {
+        Some(format) => format,
+        None => match foreign::known(bytes, name) {
+            Some(refusal) => return Err(refusal),
+            None => name
+                .and_then(Format::of_name)
+                .or_else(|| Format::like(bytes))
+                .ok_or_else(|| foreign::like(bytes, name).unwrap_or_else(|| ReadError::unknown_format(bytes)))?,
+        },
+    };
     let Draft { points, faces, labels, repairs } = match format {
         Format::Off => off::read(bytes)?,
         Format::Ply => ply::read(bytes)?,

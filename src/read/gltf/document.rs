@@ -34,7 +34,10 @@ const KEPT: [(&str, &[&str]); 6] = [
 ];
 
 pub(super) fn parse(json: &[u8]) -> Result<Geometry, ReadError> {
-    let mut root: Value = serde_json::from_slice(json).map_err(|e| ReadError::Malformed {
+    // Names may be in another encoding, and some writers fill up with zeros.
+    let json = String::from_utf8_lossy(json);
+    let json = json.trim_start_matches('\u{feff}').trim_end_matches(|c: char| c == '\0' || c.is_whitespace());
+    let mut root: Value = serde_json::from_str(json).map_err(|e| ReadError::Malformed {
         format: GLTF,
         problem: format!("its JSON cannot be read: {e}"),
         at: Place::Line(e.line()),
