@@ -12,12 +12,16 @@ mod foreign;
 mod gltf;
 #[path = "readers/hostile.rs"]
 mod hostile;
+#[path = "readers/meshopt.rs"]
+mod meshopt;
 #[path = "readers/obj.rs"]
 mod obj;
 #[path = "readers/off.rs"]
 mod off;
 #[path = "readers/ply.rs"]
 mod ply;
+#[path = "readers/pose.rs"]
+mod pose;
 #[path = "readers/sample.rs"]
 mod sample;
 #[path = "readers/shape.rs"]

@@ -11,6 +11,7 @@ mod format;
 mod gltf;
 mod obj;
 mod off;
+mod options;
 mod ply;
 mod polygons;
 mod stl;
@@ -19,6 +20,7 @@ mod text;
 
 pub use error::ReadError;
 pub use format::Format;
+pub use options::{Pose, ReadOptions};
 
 use crate::shape::{Axis, Shape};
 use draft::Draft;
@@ -31,6 +33,12 @@ pub(crate) fn faces_as_written(off: &[u8]) -> Result<Vec<[u32; 3]>, ReadError> {
 
 /// Reads a scan. The format is `format` if given, else the one the bytes announce, else that of `name`'s extension, else what the bytes look like.
 pub fn read(bytes: &[u8], name: Option<&str>, format: Option<Format>) -> Result<Shape, ReadError> {
+    read_with(bytes, &ReadOptions { name, format, ..ReadOptions::default() })
+}
+
+/// The same, with what else a reader may be told: the pose of a body with a skeleton, and files beside this one.
+pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Shape, ReadError> {
+    let &ReadOptions { name, format, .. } = options;
     if bytes.is_empty() {
         return Err(ReadError::Empty);
     }
@@ -50,7 +58,7 @@ pub fn read(bytes: &[u8], name: Option<&str>, format: Option<Format>) -> Result<
         Format::Ply => ply::read(bytes)?,
         Format::Obj => obj::read(bytes)?,
         Format::Stl => stl::read(bytes)?,
-        Format::Glb | Format::Gltf => gltf::read(bytes)?,
+        Format::Glb | Format::Gltf => gltf::read(bytes, options)?,
         Format::Xyz => table::read(bytes, "XYZ")?,
         Format::Pts => table::read(bytes, "PTS")?,
         Format::Csv => table::read(bytes, "CSV")?,

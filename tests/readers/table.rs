@@ -1,6 +1,6 @@
 use geose_fmap::Shape;
 
-use crate::sample::{csv, parse, pts, refused, repaired, torus, xyz};
+use crate::sample::{parse, pts, refused, repaired, torus, xyz};
 
 fn assert_is_cloud(shape: &Shape) {
     assert_eq!((shape.points(), shape.faces().len()), (&torus().points[..], 0));
