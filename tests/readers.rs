@@ -2,6 +2,8 @@
 
 #![cfg(not(target_arch = "wasm32"))]
 
+#[path = "readers/body_on_joints.rs"]
+mod body_on_joints;
 #[path = "readers/contract.rs"]
 mod contract;
 #[path = "readers/encodings.rs"]

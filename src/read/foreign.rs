@@ -9,7 +9,7 @@ const UNPACKED: &str = "unpack it and take the scan inside";
 const AS_SURFACE: &str = "make a surface of it (3D Slicer does) and save that as PLY, OBJ or STL";
 
 /// What begins with these bytes.
-const BEGINNINGS: [(&[u8], &str, &str); 30] = [
+const BEGINNINGS: [(&[u8], &str, &str); 28] = [
     (b"ASTM-E57", "an E57 scan", AS_CLOUD),
     (b"DRACO", "a Draco file (.drc)", "decode it (draco_decoder writes PLY and OBJ), or save the mesh without Draco"),
     (b"NGSP", "a compressed Gaussian splat (SPZ)", AS_POINTS),
@@ -25,7 +25,6 @@ const BEGINNINGS: [(&[u8], &str, &str); 30] = [
     (b"#VRML", "a VRML scene", AS_MESH),
     (b"#X3D", "an X3D scene", AS_MESH),
     (b"ISO-10303-21", "a STEP model", "save its surface as STL, OBJ or PLY from a program for CAD"),
-    (b"AC10", "a DWG drawing", "save its surface as STL, OBJ or PLY from a program for CAD"),
     (b"xof 0", "a DirectX mesh", AS_MESH),
     (b"\x93NUMPY", "an array of NumPy", "save it as text (numpy.savetxt) or as PLY"),
     (b"\x89HDF", "an HDF5 file", "save the points as text or as PLY"),
@@ -43,7 +42,6 @@ const BEGINNINGS: [(&[u8], &str, &str); 30] = [
     ),
     (b"<!DOCTYPE html", "a web page", "download the scan itself: the page was saved in its place"),
     (b"<html", "a web page", "download the scan itself: the page was saved in its place"),
-    (b"NIFTI", "a volume (NIfTI)", AS_SURFACE),
 ];
 
 /// Elements that an XML file is known by.
@@ -104,6 +102,9 @@ pub(super) fn known(bytes: &[u8], name: Option<&str>) -> Option<ReadError> {
     if bytes.get(128..132) == Some(b"DICM") {
         return Some(refusal("a DICOM image", AS_SURFACE));
     }
+    if matches!(bytes.get(344..348), Some(b"n+1\0" | b"ni1\0")) {
+        return Some(refusal("a volume (NIfTI)", AS_SURFACE));
+    }
     (begins(b";") && has(&text[..text.len().min(PROLOGUE)], b"FBXHeaderExtension"))
         .then(|| refusal("an FBX scene in text", AS_MESH))
 }
@@ -137,7 +138,7 @@ fn refusal(what: &'static str, cure: &'static str) -> ReadError {
 /// Names of the first files of an archive.
 fn entries(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
     let mut at = 0;
-    let mut next = move || {
+    let next = move || {
         let header = bytes.get(at..at + 30).filter(|h| h.starts_with(b"PK\x03\x04"))?;
         let half = |k: usize| usize::from(u16::from_le_bytes([header[k], header[k + 1]]));
         let size = u32::from_le_bytes([header[18], header[19], header[20], header[21]]) as usize;
@@ -145,7 +146,7 @@ fn entries(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
         at = (at + 30 + half(26) + half(28)).checked_add(size)?;
         Some(name)
     };
-    std::iter::from_fn(move || next()).take(ENTRIES)
+    std::iter::from_fn(next).take(ENTRIES)
 }
 
 fn has(bytes: &[u8], part: &[u8]) -> bool {

@@ -19,7 +19,7 @@ pub enum Format {
     Stl,
     /// Binary glTF 2.0.
     Glb,
-    /// glTF 2.0 as JSON with its buffers inside, as `data:` URIs.
+    /// glTF 2.0 as JSON with its buffers inside, as `data:` URIs, or in files given along with it.
     Gltf,
     /// Points as a table of text; the usual name for one without a header.
     Xyz,

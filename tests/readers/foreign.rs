@@ -49,6 +49,7 @@ fn scans_in_other_formats_are_named_with_the_way_out() {
         (marked(0, b"\x1F\x8B\x08"), "a.stl.gz", "a file compressed with gzip"),
         (splat, "a.splat", "a Gaussian splat (.splat)"),
         (marked(128, b"DICM"), "a.dcm", "a DICOM image"),
+        (marked(344, b"n+1\0"), "a.nii", "a volume (NIfTI)"),
         (b"# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\n".to_vec(), "a.pcd", "a PCD cloud"),
         (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n".to_vec(), "a.ply", "a pointer to it"),
         (b"<!doctype html><html>".to_vec(), "a.stl", "a web page"),

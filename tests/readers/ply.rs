@@ -175,8 +175,11 @@ fn types_of_any_width_are_passed_over_or_read() {
     assert_is_torus(&parse(format!("{header}end_header\n{}\n", body.join("\n")), "a.ply").unwrap());
 }
 
+/// A property and its value for each point.
+type Column = (&'static str, fn(usize) -> String);
+
 /// A text PLY of the torus with these columns behind its coordinates.
-fn with_columns(columns: &[(&str, fn(usize) -> String)]) -> String {
+fn with_columns(columns: &[Column]) -> String {
     let text = ply_text(&torus());
     let (header, body) = text.split_once("end_header\n").unwrap();
     let declared: String = columns.iter().map(|(name, _)| format!("property float {name}\n")).collect();
@@ -205,8 +208,7 @@ fn labels_are_taken_under_what_programs_call_them() {
         assert_eq!(shape.labels(), Some(&expected[..]), "{name}");
         assert_eq!(shape.repairs(), [], "{name}");
     }
-    let both: [(&str, fn(usize) -> String); 2] =
-        [("class", |i| (i % 2).to_string()), ("label", |i| (i / 5).to_string())];
+    let both: [Column; 2] = [("class", |i| (i % 2).to_string()), ("label", |i| (i / 5).to_string())];
     let shape = parse(with_columns(&both), "a.ply").unwrap();
     assert_eq!(shape.labels(), Some(&expected[..]), "what is called label comes first");
     assert_eq!(repaired(&shape, "label-columns-ignored"), 1);

@@ -142,7 +142,7 @@ impl Columns {
 /// comment may mention x, y and z in passing, so it must name every column.
 fn headings<'a>(before: &Preamble<'a>, separator: Separator, count: usize) -> Option<Headings<'a>> {
     let read = |line: Line<'a>, by: Separator| {
-        let names: Vec<String> = by.fields(line).map(|field| encoding::name(field)).collect();
+        let names: Vec<String> = by.fields(line).map(encoding::name).collect();
         let naming = heading::axes(&names);
         Headings { line, names, naming }
     };

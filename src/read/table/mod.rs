@@ -99,7 +99,7 @@ fn numbers_columns(line: Line, following: &Lines) -> bool {
     let separator = Separator::of(line);
     let fields: Vec<&[u8]> = separator.fields(line).collect();
     let (nameless, numbers) = match fields.split_first() {
-        Some((first, rest)) if first.is_empty() => (true, rest),
+        Some((&[], rest)) => (true, rest),
         _ => (false, &fields[..]),
     };
     let counts = numbers.iter().enumerate().all(|(k, field)| whole(field) == Some(k as i64));
