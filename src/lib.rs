@@ -96,6 +96,6 @@ pub use pipeline::{
     Error, FaceUse, Info, Match, MatchOptions, Matcher, Parts, PrepareOptions, PreparedShape, Result, Warning,
 };
 pub use progress::{Cancelled, Listener, Progress, Stage};
-pub use read::{Format, ReadError, read};
+pub use read::{Format, Pose, ReadError, ReadOptions, read, read_with};
 pub use registration::Refinement;
 pub use shape::{Axis, Repair, Shape, ShapeError};

@@ -3,6 +3,8 @@
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(unsafe_code, reason = "memory is counted by an allocator, which is an unsafe trait")]
 
+#[path = "readers/body_on_joints.rs"]
+mod body_on_joints;
 #[path = "readers/sample.rs"]
 mod sample;
 mod shapes;
@@ -103,6 +105,34 @@ fn survives(name: &str, what: &str, bytes: &[u8], seen: &mut Seen) {
     seen.longest = seen.longest.max(took);
 }
 
+/// Valid files with what is read by code of its own: joints and morph targets, headings, UTF-16, a count that says nothing, one line.
+fn unusual_files() -> Vec<(&'static str, Vec<u8>)> {
+    let torus = sample::torus();
+    let mut body = body_on_joints::Body::new();
+    body.bind([0.0, 1.0]);
+    body.target();
+    body.document["meshes"][0]["weights"] = serde_json::json!([0.5]);
+    let mut streamed = sample::stl_binary(&torus);
+    streamed[80..84].fill(0);
+    let rows = torus.points.iter().enumerate();
+    let table: String = rows.map(|(i, [x, y, z])| format!("{i};\"{x}\";{y};{z}\n").replace('.', ",")).collect();
+    let ply = sample::ply_text(&torus).replacen("double z", "double z\nproperty double scalar_label", 1);
+    // The header has eleven lines now.
+    let labelled = |(i, line): (usize, &str)| {
+        if (11..75).contains(&i) { format!("{line} {}.0\n", i / 9) } else { format!("{line}\n") }
+    };
+    let labels: String = ply.lines().enumerate().map(labelled).collect();
+    vec![
+        ("posed.glb", sample::glb(&body.document, &body.data)),
+        ("streamed.stl", streamed),
+        ("line.stl", sample::stl_text(&torus).replace('\n', " ").into_bytes()),
+        ("headings.csv", format!("id;X [mm];Y [mm];Z [mm]\n{table}").into_bytes()),
+        ("numbered.csv", table.into_bytes()),
+        ("wide.xyz", sample::xyz(&torus).encode_utf16().flat_map(u16::to_le_bytes).collect()),
+        ("labels.ply", labels.into_bytes()),
+    ]
+}
+
 /// Pieces that readers may stumble over.
 const PIECES: [&[u8]; 16] = [
     b"4294967295",
@@ -174,7 +204,8 @@ fn broken(bytes: &[u8], random: &mut Random) -> (&'static str, Vec<u8>) {
 
 #[test]
 fn files_broken_in_two_thousand_ways_each_are_survived() {
-    for (name, bytes, _) in all_files() {
+    let files = all_files().into_iter().map(|(name, bytes, _)| (name, bytes));
+    for (name, bytes) in files.chain(unusual_files()) {
         let mut random = Random(1);
         let mut seen = Seen::default();
         for _ in 0..2000 {
@@ -229,7 +260,8 @@ fn small_files_that_unfold_are_refused_before_they_do() {
 
 #[test]
 fn every_byte_of_a_header_may_be_any_byte() {
-    for (name, bytes, _) in all_files() {
+    let files = all_files().into_iter().map(|(name, bytes, _)| (name, bytes));
+    for (name, bytes) in files.chain(unusual_files()) {
         let mut seen = Seen::default();
         for at in 0..bytes.len().min(150) {
             for value in [0, b'0', b'9', b'\n', b'-', 127, 255] {

@@ -108,7 +108,7 @@ async fn two_sample_bodies_match_through_the_bindings_with_every_stage_told() {
     let listener: &Function = listener.as_ref().unchecked_ref();
     let options = JSON::parse(r#"{ "points": 1000, "eigenpairs": 60 }"#).expect("JSON");
     let mut block = |bytes: &[u8]| {
-        let scan = wasm::read_file(bytes, Some("body.ply".into()), None).expect("a scan");
+        let scan = wasm::read_file(bytes, Some("body.ply".into()), None, None, &JsValue::UNDEFINED).expect("a scan");
         device.prepare(scan, options.clone(), listener).expect("a block")
     };
     let (woman, man) = (block(WOMAN), block(MAN));
@@ -140,7 +140,7 @@ async fn an_error_is_a_plain_object_with_a_code_a_sentence_and_numbers() {
     let failures = [
         ("too-few-points", wasm::read_arrays(&[0.0; 30], None, None, None).err()),
         ("ragged-array", wasm::read_arrays(&[0.0; 301], None, None, None).err()),
-        ("truncated-file", wasm::read_file(&WOMAN[..WOMAN.len() / 2], None, None).err()),
+        ("truncated-file", wasm::read_file(&WOMAN[..WOMAN.len() / 2], None, None, None, &JsValue::UNDEFINED).err()),
         ("invalid-option", ready(r#"{ "eigenparis": 20 }"#).err()),
         ("invalid-option", ready(r#"{ "eigenpairs": 3 }"#).err()),
         ("invalid-block", unread),

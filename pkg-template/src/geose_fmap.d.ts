@@ -13,7 +13,13 @@ export class RawShape {
   free(): void;
 }
 
-export function read_file(bytes: Uint8Array, name: string | undefined, format: string | undefined): RawShape;
+export function read_file(
+  bytes: Uint8Array,
+  name: string | undefined,
+  format: string | undefined,
+  pose: string | undefined,
+  companions: Record<string, Uint8Array> | undefined,
+): RawShape;
 export function read_arrays(
   positions: Float64Array,
   faces: Uint32Array | undefined,

@@ -5,14 +5,11 @@ import type { Calls, Source } from './protocol.js';
 import type { Laplacian } from './results.js';
 
 /** A private copy of a scan. */
-export function sourceOf(input: ShapeInput, { name, format }: ReadOptions): Source {
-  if (is<Blob>(input, 'Blob', 'File')) {
-    return { from: 'file', file: input, name: name ?? ('name' in input ? String(input.name) : undefined), format };
-  }
-  if (is<Uint8Array>(input, 'Uint8Array')) return { from: 'file', file: copied('the scan', () => new Uint8Array(input)), name, format };
-  if (is<ArrayBuffer>(input, 'ArrayBuffer')) {
-    return { from: 'file', file: copied('the scan', () => new Uint8Array(input.slice(0))), name, format };
-  }
+export function sourceOf(input: ShapeInput, { name, format, pose, companions }: ReadOptions): Source {
+  const how = { from: 'file', name, format, pose, companions: companionsOf(companions) } as const;
+  if (is<Blob>(input, 'Blob', 'File')) return { ...how, file: input, name: name ?? ('name' in input ? String(input.name) : undefined) };
+  if (is<Uint8Array>(input, 'Uint8Array')) return { ...how, file: copied('the scan', () => new Uint8Array(input)) };
+  if (is<ArrayBuffer>(input, 'ArrayBuffer')) return { ...how, file: copied('the scan', () => new Uint8Array(input.slice(0))) };
   if (!isObject(input) || !('positions' in input)) {
     throw wrong('the scan', 'the bytes of a file (Uint8Array, ArrayBuffer or Blob) or { positions, faces, labels }', input);
   }
@@ -21,10 +18,22 @@ export function sourceOf(input: ShapeInput, { name, format }: ReadOptions): Sour
   return { from: 'arrays', positions: coordinates(positions), faces: indices('faces', faces), labels: indices('labels', labels), name };
 }
 
+/** Private copies of the files beside a scan. */
+function companionsOf(given: ReadOptions['companions']): Record<string, Uint8Array<ArrayBuffer>> | undefined {
+  if (given === undefined) return undefined;
+  if (!isObject(given)) throw wrong('companions', 'an object of file names and bytes', given);
+  const files = Object.entries(given).map(([name, file]) => {
+    if (!isFile(file)) throw wrong(`companions[${JSON.stringify(name)}]`, 'the bytes of a file (Uint8Array or ArrayBuffer)', file);
+    return [name, copied(name, () => new Uint8Array(is<Uint8Array>(file, 'Uint8Array') ? file : file.slice(0)))] as const;
+  });
+  return Object.fromEntries(files);
+}
+
+const isFile = (file: unknown): file is BytesInput => is<Uint8Array>(file, 'Uint8Array') || is<ArrayBuffer>(file, 'ArrayBuffer');
+
 /** Private copies of files of weights; nothing for those that ship. */
 export function weightsOf(given: MatcherOptions['weights'] | null): Uint8Array<ArrayBuffer>[] | undefined {
   if (given === undefined || given === null) return undefined;
-  const isFile = (file: unknown): file is BytesInput => is<Uint8Array>(file, 'Uint8Array') || is<ArrayBuffer>(file, 'ArrayBuffer');
   const files: readonly unknown[] = Array.isArray(given) ? given : [given];
   if (files.length === 0) throw wrong('weights', 'the bytes of at least one file', given);
   return files.map((file) => {
@@ -105,6 +114,7 @@ const OPTIONS = new Map<string, Check>([
   ['iterations', count],
   ['sigma', number],
   ['up', oneOf('x', 'y', 'z')],
+  ['pose', oneOf('saved', 'rest')],
   ['parts', oneOf('predicted', 'given', 'none')],
   ['refine', oneOf('best', 'zoomout', 'none')],
   ['landmarks', pairs],

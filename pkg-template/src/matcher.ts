@@ -110,11 +110,11 @@ export interface Matcher extends Disposable {}
 /** The scan on its way into the worker, and the options that are not about reading it. */
 function sourceAnd<T extends ReadOptions>(
   scan: ShapeInput,
-  { name, format, ...others }: T,
+  { name, format, pose, companions, ...others }: T,
 ): { source: Source; others: Omit<T, keyof ReadOptions> } {
   if (name !== undefined && typeof name !== 'string') throw wrong('name', 'a string', name);
   if (format !== undefined && typeof format !== 'string') throw wrong('format', 'a string', format);
-  return { source: sourceOf(scan, { name, format }), others };
+  return { source: sourceOf(scan, { name, format, pose, companions }), others };
 }
 
 function preparedBlock(what: string, shape: PreparedShape): Prepared['block'] {

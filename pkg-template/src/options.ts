@@ -64,6 +64,10 @@ export interface ReadOptions {
   name?: string | undefined;
   /** Instead of finding it out from the bytes and the name. */
   format?: FileFormat | undefined;
+  /** Of a glTF with a skeleton or morph targets: `'saved'` (default), as its nodes and weights stand, or `'rest'`, as its points are stored. */
+  pose?: 'saved' | 'rest' | undefined;
+  /** Files beside this one, by name: the `.bin` that a `.gltf` keeps its data in. They are copied. */
+  companions?: Readonly<Record<string, BytesInput>> | undefined;
 }
 
 /** How a scan is prepared. */

@@ -4,7 +4,14 @@ import type { Device, Laplacian, Match, SolvedSpectrum, Stage } from './results.
 
 /** A shape on its way into the worker. */
 export type Source =
-  | { from: 'file'; file: Uint8Array<ArrayBuffer> | Blob; name: ReadOptions['name']; format: ReadOptions['format'] }
+  | {
+      from: 'file';
+      file: Uint8Array<ArrayBuffer> | Blob;
+      name: ReadOptions['name'];
+      format: ReadOptions['format'];
+      pose: ReadOptions['pose'];
+      companions: Record<string, Uint8Array<ArrayBuffer>> | undefined;
+    }
   | {
       from: 'arrays';
       positions: Float64Array<ArrayBuffer>;

@@ -101,7 +101,7 @@ async function read(source: Source): Promise<raw.RawShape> {
   }
   if (source.from === 'arrays') return raw.read_arrays(source.positions, source.faces, source.labels, source.name);
   const bytes = source.file instanceof Blob ? await bytesOf(source.file) : source.file;
-  return raw.read_file(bytes, source.name, source.format);
+  return raw.read_file(bytes, source.name, source.format, source.pose, source.companions);
 }
 
 const sizeOf = (file: Uint8Array | Blob): number => (file instanceof Blob ? file.size : file.byteLength);

@@ -8,10 +8,8 @@ use clap::Args;
 use crate::device::Cpu;
 use crate::network::{Model, Weights};
 use crate::operators::LaplacianKind;
-use crate::pipeline::{DeviceChoice, OptionError, PrepareOptions, PreparedShape, Processor};
-use crate::progress::{Progress, Stage};
-use crate::read::read;
-use crate::shape::{Axis, Shape};
+use crate::pipeline::{DeviceChoice, OptionError, PrepareOptions, Processor};
+use crate::shape::Axis;
 
 /// Options that prepare a scan.
 #[derive(Args, Clone, Debug)]
@@ -104,22 +102,6 @@ pub(super) struct WrongUse(#[from] pub OptionError);
 /// A name as the options of the library spell it.
 pub(super) fn parse<T: serde::de::DeserializeOwned>(name: &str) -> Result<T, String> {
     serde_json::from_value(name.into()).map_err(|e| e.to_string())
-}
-
-pub(super) fn read_scan(path: &Path) -> Result<Shape, Failure> {
-    let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-    Ok(read(&bytes, name.as_deref(), None).map_err(|e| format!("{}: {e}", path.display()))?)
-}
-
-pub(super) fn prepare_scan(path: &Path, preparing: &Preparing, on: &mut Processor) -> Result<PreparedShape, Failure> {
-    preparing.check()?;
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-    let mut progress = Progress::silent();
-    progress.at(Stage::Read, 0.0)?;
-    let shape = read_scan(path)?;
-    Ok(pollster::block_on(on.prepare(shape, name, &preparing.options(), &mut progress))
-        .map_err(|e| format!("{}: {e}", path.display()))?)
 }
 
 /// Writes a file and says so: some verbs write two.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use super::arguments::{Failure, Preparing, Running, prepare_scan};
+use super::arguments::{Failure, Preparing, Running};
+use super::scan_file::{Reading, prepare_scan};
 
 #[derive(clap::Args)]
 pub(super) struct Arguments {
@@ -15,13 +16,16 @@ pub(super) struct Arguments {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    reading: Reading,
+    #[command(flatten)]
     preparing: Preparing,
     #[command(flatten)]
     running: Running,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let prepared = prepare_scan(&arguments.a, &arguments.preparing, &mut arguments.running.processor()?)?;
+    let mut on = arguments.running.processor()?;
+    let prepared = prepare_scan(&arguments.a, arguments.reading, &arguments.preparing, &mut on)?;
     let info = serde_json::to_value(&prepared.info)?;
     if arguments.json {
         let both = serde_json::json!({ "info": info, "repairs": prepared.repairs });

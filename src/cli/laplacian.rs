@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use super::arguments::{Failure, Preparing, Running, WrongUse, read_scan, write};
+use super::arguments::{Failure, Preparing, Running, WrongUse, write};
 use super::map_file::check_folder;
+use super::scan_file::{Reading, read_scan};
 use crate::operators::{LaplacianBuilder, OperatorError, default_kind};
 use crate::pipeline::OptionError;
 use crate::progress::Progress;
@@ -32,6 +33,8 @@ pub(super) struct Arguments {
     #[arg(long)]
     sigma: Option<f64>,
     #[command(flatten)]
+    reading: Reading,
+    #[command(flatten)]
     preparing: Preparing,
     #[command(flatten)]
     running: Running,
@@ -51,7 +54,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     // What can be told to be wrong before the scan is read is.
     arguments.preparing.laplacian.map_or(Ok(()), |kind| builder(kind).check()).map_err(failure)?;
     check_folder(&arguments.output)?;
-    let shape = read_scan(&arguments.a)?;
+    let shape = read_scan(&arguments.a, arguments.reading)?;
     let kind = arguments.preparing.laplacian.unwrap_or_else(|| default_kind(&shape));
     let built = builder(kind).build(&shape, &mut Progress::silent()).map_err(failure)?;
     let lower = || built.matrix.iter().filter(|&(_, (i, j))| i >= j);

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::arguments::{Failure, Preparing, Running, parse, prepare_scan};
+use super::arguments::{Failure, Preparing, Running, parse};
 use super::map_file::{MapFile, Outcome};
+use super::scan_file::{Reading, prepare_scan};
 use crate::maps::UNMATCHED;
 use crate::pipeline::{MatchOptions, Parts};
 use crate::progress::{Progress, Stage};
@@ -19,6 +20,8 @@ pub(super) struct Arguments {
     /// was made from. As .ply or .glb: A in the colours of the places on B that its points are matched with, and beside it B, as NAME.b.ply.
     #[arg(short, long, value_parser = MapFile::parse)]
     output: MapFile,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     preparing: Preparing,
     /// none, zoomout or best.
@@ -43,8 +46,8 @@ fn pair(text: &str) -> Result<[u32; 2], String> {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.output.check()?;
     let mut on = arguments.running.processor()?;
-    let a = prepare_scan(&arguments.a, &arguments.preparing, &mut on)?;
-    let b = prepare_scan(&arguments.b, &arguments.preparing, &mut on)?;
+    let a = prepare_scan(&arguments.a, arguments.reading, &arguments.preparing, &mut on)?;
+    let b = prepare_scan(&arguments.b, arguments.reading, &arguments.preparing, &mut on)?;
     let Arguments { parts, refine, ref landmarks, .. } = *arguments;
     let options = MatchOptions { parts, refine, landmarks: landmarks.clone(), ..Default::default() };
     let matched = pollster::block_on(on.match_shapes(&a, &b, &options, &mut Progress::silent()))?;

@@ -7,6 +7,7 @@ mod info;
 mod laplacian;
 mod map_file;
 mod matching;
+mod scan_file;
 
 use std::process::ExitCode;
 

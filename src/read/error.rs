@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde_json::{Value, json};
 
+use super::encoding;
 use crate::shape::ShapeError;
 
 /// Where in the file.
@@ -157,16 +158,37 @@ pub enum ReadError {
         /// What to do instead.
         cure: &'static str,
     },
-    /// A glTF extension without which the file cannot be understood.
+    /// A file of a known kind that is no format read here.
+    #[error("this is {what}, which is not read; {cure}")]
+    UnsupportedFormat {
+        /// Which, with its article.
+        what: &'static str,
+        /// What to do instead.
+        cure: &'static str,
+    },
+    /// A table of more columns than coordinates, whose headings do not say which are which.
     #[error(
-        "this glTF needs the extension {extension}, which is not supported; save it without compression or instancing"
+        "{format}, {at}: which columns are x, y and z is not clear from the headings {}; call those three x, y and z",
+        listed(headings)
     )]
+    AmbiguousColumns {
+        /// Format.
+        format: &'static str,
+        /// The headings, shortened.
+        headings: Vec<String>,
+        /// Where they stand.
+        at: Place,
+    },
+    /// A glTF extension without which the file cannot be understood.
+    #[error("this glTF needs the extension {extension}, which is not supported; {}", cure_of(extension))]
     UnsupportedExtension {
         /// Its name.
         extension: String,
     },
     /// A glTF whose data lies in another file.
-    #[error("this glTF keeps its data in another file, “{uri}”; save it as GLB, or with the data embedded")]
+    #[error(
+        "this glTF keeps its data in another file, “{uri}”; give that file along with it, or save it as GLB or with the data embedded"
+    )]
     ExternalBuffer {
         /// That file, shortened.
         uri: String,
@@ -198,6 +220,8 @@ impl ReadError {
             Self::MissingElement { .. } => "missing-element",
             Self::FaceIndex { .. } => "face-index-out-of-range",
             Self::Unsupported { .. } => "unsupported-variant",
+            Self::UnsupportedFormat { .. } => "unsupported-format",
+            Self::AmbiguousColumns { .. } => "ambiguous-columns",
             Self::UnsupportedExtension { .. } => "unsupported-extension",
             Self::ExternalBuffer { .. } => "external-buffer",
             Self::TooLarge { .. } => "too-large",
@@ -229,6 +253,10 @@ impl ReadError {
                 (json!({ "format": format, "face": face, "index": index, "points": points, "first": first }), Some(at))
             }
             Self::Unsupported { feature, .. } => (json!({ "feature": feature }), None),
+            Self::UnsupportedFormat { what, .. } => (json!({ "what": what }), None),
+            Self::AmbiguousColumns { format, headings, at } => {
+                (json!({ "format": format, "headings": headings }), Some(at))
+            }
             Self::UnsupportedExtension { extension } => (json!({ "extension": extension }), None),
             Self::ExternalBuffer { uri } => (json!({ "uri": uri }), None),
             Self::TooLarge { format, what, limit } => (json!({ "format": format, "what": what, "limit": limit }), None),
@@ -245,14 +273,29 @@ impl ReadError {
     }
 }
 
-/// Bytes as a person can read them: at most 40, control characters as `·`.
+/// Bytes as a person can read them: at most 40, control characters as `·`, and what is no UTF-8 as Latin-1.
 pub(super) fn quoted(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(40)]);
+    let text = encoding::name(&bytes[..bytes.len().min(40)]);
     text.chars().map(|c| if c.is_control() { '·' } else { c }).collect()
 }
 
 fn decimal_comma(text: &str) -> &'static str {
     if text.contains(',') { " (decimals are written with a point)" } else { "" }
+}
+
+fn listed(headings: &[String]) -> String {
+    headings.iter().map(|h| format!("“{h}”")).collect::<Vec<_>>().join(", ")
+}
+
+/// How to save a glTF without an extension.
+fn cure_of(extension: &str) -> &'static str {
+    match extension {
+        "KHR_draco_mesh_compression" => {
+            "save it without Draco (in Blender leave “Compression” off; “gltf-transform copy in.glb out.glb” undoes it)"
+        }
+        "EXT_mesh_gpu_instancing" => "save it without instancing",
+        _ => "save it without compression or instancing",
+    }
 }
 
 fn range(points: usize, first: u8) -> String {

@@ -19,7 +19,7 @@ pub enum Format {
     Stl,
     /// Binary glTF 2.0.
     Glb,
-    /// glTF 2.0 as JSON with its buffers inside, as `data:` URIs.
+    /// glTF 2.0 as JSON with its buffers inside, as `data:` URIs, or in files given along with it.
     Gltf,
     /// Points as a table of text; the usual name for one without a header.
     Xyz,
@@ -67,7 +67,12 @@ impl Format {
 
     /// The format of a file with this name, by its extension.
     pub(super) fn of_name(name: &str) -> Option<Format> {
-        name.rsplit_once('.').and_then(|(_, extension)| extension.parse().ok())
+        let (_, extension) = name.rsplit_once('.')?;
+        match extension.to_ascii_lowercase().as_str() {
+            "fcsv" | "tsv" => Some(Format::Csv),
+            "asc" | "xyzn" | "xyzrgb" => Some(Format::Xyz),
+            extension => extension.parse().ok(),
+        }
     }
 
     /// The format these bytes announce.
@@ -75,7 +80,9 @@ impl Format {
         if bytes.starts_with(b"glTF") {
             return Some(Format::Glb);
         }
-        if bytes.starts_with(b"ply") && bytes.get(3).is_some_and(u8::is_ascii_whitespace) {
+        if bytes.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(b"ply"))
+            && bytes.get(3).is_some_and(u8::is_ascii_whitespace)
+        {
             return Some(Format::Ply);
         }
         if stl::announced_by(bytes) {
@@ -103,7 +110,10 @@ impl Format {
 
     /// The format these bytes may be in although they do not say so.
     pub(super) fn like(bytes: &[u8]) -> Option<Format> {
-        table::looks_like_one(bytes).then_some(Format::Xyz)
+        match stl::looks_like_one(bytes) {
+            true => Some(Format::Stl),
+            false => table::looks_like_one(bytes).then_some(Format::Xyz),
+        }
     }
 }
 

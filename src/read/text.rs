@@ -3,6 +3,7 @@
 use super::error::{Place, ReadError, quoted};
 
 /// The lines of a text file that hold anything.
+#[derive(Clone)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     number: usize,
@@ -53,10 +54,10 @@ impl<'a> Lines<'a> {
         let skip = if rest.starts_with(b"\r\n") { 2 } else { rest.len().min(1) };
         self.rest = &rest[skip..];
         self.number += 1;
-        let bytes = match bytes.iter().position(|&b| b == b'#') {
-            Some(comment) if !self.comments => &bytes[..comment],
-            _ => bytes,
-        };
+        // C libraries of Windows write NaN as `1.#IND`.
+        let begins_comment = |at: &usize| bytes[*at] == b'#' && (*at == 0 || bytes[at - 1] != b'.');
+        let end = if self.comments { None } else { (0..bytes.len()).find(begins_comment) };
+        let bytes = &bytes[..end.unwrap_or(bytes.len())];
         Some(Line { number: self.number, bytes })
     }
 }

@@ -1,11 +1,11 @@
 //! Between the crate's types and JavaScript's.
 
-use js_sys::{Float32Array, Float64Array, Object, Reflect, Uint32Array};
+use js_sys::{Array, Float32Array, Float64Array, Object, Reflect, Uint8Array, Uint32Array};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::json;
 use sprs::CsMat;
-use wasm_bindgen::JsValue;
+use wasm_bindgen::{JsCast, JsValue};
 
 use crate::maps::{Correspondence, FunctionalMap};
 use crate::operators::{Laplacian, LaplacianBuilder, LaplacianKind};
@@ -56,6 +56,21 @@ pub(super) fn options<T: DeserializeOwned>(given: &JsValue) -> Result<T, JsValue
         let reason = e.to_string();
         invalid(reason.split(" at line ").next().unwrap_or(&reason))
     })
+}
+
+/// Files by their names, from an object of byte arrays; none where there is none.
+pub(super) fn files(given: &JsValue) -> Result<Vec<(String, Vec<u8>)>, JsValue> {
+    let Some(object) = given.dyn_ref::<Object>() else { return Ok(Vec::new()) };
+    Object::entries(object)
+        .iter()
+        .map(|entry| {
+            let entry = Array::from(&entry);
+            match (entry.get(0).as_string(), entry.get(1).dyn_into::<Uint8Array>()) {
+                (Some(name), Ok(bytes)) => Ok((name, bytes.to_vec())),
+                _ => Err(invalid("companions must be an object of names and Uint8Arrays")),
+            }
+        })
+        .collect()
 }
 
 /// Options that are not what they should be, in a sentence.

@@ -14,13 +14,15 @@ use web_time::Instant;
 use crate::pipeline::Error;
 use crate::pipeline::PreparedShape;
 use crate::progress::{Progress, Stage};
-use crate::read::Format;
+use crate::read::{Format, ReadOptions, read_with};
 use crate::shape::Shape;
 use crate::{operators, spectrum as spectra};
 pub use device::{Device, open_device};
 pub use remains::{last_panic, refused_bytes};
 
-use convert::{LaplacianOptions, SpectrumOptions, laplacian_to_js, matrix_from_csr, options, spectrum_to_js, throw};
+use convert::{
+    LaplacianOptions, SpectrumOptions, files, invalid, laplacian_to_js, matrix_from_csr, options, spectrum_to_js, throw,
+};
 
 #[wasm_bindgen(start)]
 fn start() {
@@ -44,11 +46,22 @@ impl RawShape {
     }
 }
 
-/// Reads a file's bytes. `format` is an extension's name where the bytes do not tell.
+/// Reads a file's bytes. `format` is an extension's name where the bytes do not tell, `pose` that of a body with a skeleton, and `companions`
+/// an object of files beside this one: names and bytes.
 #[wasm_bindgen]
-pub fn read_file(bytes: &[u8], name: Option<String>, format: Option<String>) -> Result<RawShape, JsValue> {
+pub fn read_file(
+    bytes: &[u8],
+    name: Option<String>,
+    format: Option<String>,
+    pose: Option<String>,
+    companions: &JsValue,
+) -> Result<RawShape, JsValue> {
     let format: Option<Format> = format.map(|f| f.parse()).transpose().map_err(|e| throw(Error::Read(e)))?;
-    RawShape::timed(name.clone(), || Ok(crate::read::read(bytes, name.as_deref(), format)?))
+    let pose = pose.map(|p| serde_json::from_value(p.into()).map_err(invalid)).transpose()?.unwrap_or_default();
+    let files = files(companions)?;
+    let companions: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (&**name, &**bytes)).collect();
+    let options = ReadOptions { name: name.as_deref(), format, pose, companions: &companions };
+    RawShape::timed(name.clone(), || Ok(read_with(bytes, &options)?))
 }
 
 /// A scan from arrays: positions (3n), faces (3m), labels (n).

@@ -1,3 +1,4 @@
+use geose_fmap::{ReadOptions, read_with};
 use serde_json::{Value, json};
 
 use crate::sample::{Sample, assert_is_torus, glb, gltf_data, gltf_document, parse, refused, repaired, torus};
@@ -156,21 +157,12 @@ fn what_is_wrong_or_new_outside_the_geometry_does_not_matter() {
 }
 
 #[test]
-fn skins_and_morph_targets_are_reported() {
-    let document = changed(|d| {
-        d["nodes"][0]["skin"] = json!(0);
-        d["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
-    });
-    let shape = read(&document).unwrap();
-    assert_eq!((repaired(&shape, "skins-ignored"), repaired(&shape, "morph-targets-ignored")), (1, 1));
-}
-
-#[test]
 fn an_unsupported_required_extension_is_named() {
-    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"] {
+    for name in ["KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing", "VENDOR_new_geometry"] {
         let (code, message, details) = refused(read(&changed(|d| d["extensionsRequired"] = json!([name]))));
         assert_eq!((code, &details["extension"]), ("unsupported-extension", &json!(name)));
-        assert!(message.contains(name), "{message}");
+        assert!(message.contains(name) && message.contains("save it without"), "{message}");
+        assert_eq!(message.contains("without Draco"), name.contains("draco"), "{message}");
     }
     let without_fallback = changed(|d| {
         d["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
@@ -184,6 +176,8 @@ fn data_in_another_file_is_refused_with_its_name() {
     let (code, message, _) = refused(read(&changed(|d| d["buffers"][0]["uri"] = json!("body.bin"))));
     assert_eq!(code, "external-buffer");
     assert!(message.contains("“body.bin”"), "{message}");
+    let (_, message, _) = refused(read(&changed(|d| d["buffers"][0]["uri"] = json!("my%20body.bin"))));
+    assert!(message.contains("“my body.bin”"), "{message}");
     assert_eq!(refused(read(&changed(|d| d["buffers"][0]["uri"] = json!("data:;base64,@@@")))).0, "malformed-file");
 }
 
@@ -259,4 +253,75 @@ fn bad_references_are_named_by_their_object() {
 #[test]
 fn y_is_up_as_the_format_says() {
     assert_eq!(read(&gltf_document(&torus())).unwrap().up(), Some(geose_fmap::Axis::Y));
+}
+
+#[test]
+fn data_in_a_file_beside_the_document_is_read_when_it_is_given_along() {
+    let data = gltf_data(&torus());
+    for (uri, name) in [
+        ("body.bin", "body.bin"),
+        ("my%20body.bin", "my body.bin"),
+        ("./buffers/Body.bin", "body.bin"),
+        ("buffers/body.bin", "buffers/body.bin"),
+        ("k%C3%B6rper.bin", "körper.bin"),
+    ] {
+        let mut document = changed(|d| d["buffers"][0]["uri"] = json!(uri));
+        document["images"] = json!([{ "uri": "skin.png" }]);
+        let text = document.to_string();
+        let companions: [(&str, &[u8]); 2] = [("skin.png", b"no picture"), (name, &data)];
+        let options = ReadOptions { name: Some("a.gltf"), companions: &companions, ..ReadOptions::default() };
+        assert_is_torus(&read_with(text.as_bytes(), &options).unwrap_or_else(|e| panic!("{uri}: {e}")));
+        let short: [(&str, &[u8]); 1] = [(name, &data[..100])];
+        let options = ReadOptions { companions: &short, ..options };
+        assert_eq!(read_with(text.as_bytes(), &options).expect_err("too short").code(), "truncated-file");
+        let other: [(&str, &[u8]); 1] = [("another.bin", &data)];
+        let options = ReadOptions { companions: &other, ..options };
+        assert_eq!(read_with(text.as_bytes(), &options).expect_err("not there").code(), "external-buffer");
+    }
+}
+
+#[test]
+fn chunks_that_are_not_filled_up_to_whole_words_are_read_and_said_so() {
+    for extra in 0..8 {
+        let document = changed(|d| d["asset"]["generator"] = json!("x".repeat(extra)));
+        let (json, data) = (document.to_string().into_bytes(), gltf_data(&torus()));
+        for counts_filling in [false, true] {
+            let length = 12 + 8 + json.len() + 8 + data.len();
+            let length = if counts_filling { length.next_multiple_of(4) } else { length };
+            let mut bytes = b"glTF".to_vec();
+            bytes.extend([2, length as u32, json.len() as u32].map(u32::to_le_bytes).concat());
+            bytes.extend(b"JSON");
+            bytes.extend(&json);
+            bytes.extend((data.len() as u32).to_le_bytes());
+            bytes.extend(b"BIN\0");
+            bytes.extend(&data);
+            let shape = parse(&bytes, "a.glb").unwrap_or_else(|e| panic!("{extra}: {e}"));
+            assert_eq!((shape.points(), shape.faces()), (&torus().points[..], &torus().faces[..]));
+            assert_eq!(repaired(&shape, "chunk-not-padded"), usize::from(json.len() % 4 != 0));
+            assert_eq!(refused(parse(&bytes[..bytes.len() - 4], "a.glb")).0, "truncated-file");
+        }
+    }
+}
+
+#[test]
+fn json_may_be_filled_up_with_zeros() {
+    let mut bytes = glb(&gltf_document(&torus()), &gltf_data(&torus()));
+    let end = 20 + u32::from_le_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]) as usize;
+    for at in (end - 3..end).rev().take_while(|at| gltf_document(&torus()).to_string().len() + 20 <= *at) {
+        bytes[at] = 0;
+    }
+    assert_is_torus(&parse(bytes, "a.glb").unwrap());
+}
+
+#[test]
+fn the_first_version_of_gltf_is_named_with_the_way_out() {
+    for text in [
+        r#"{ "asset": { "version": "1.0" }, "meshes": { "body": {} } }"#,
+        r#"{ "asset": { "version": 1.0 }, "meshes": { "body": {} } }"#,
+        r#"{ "accessors": {}, "meshes": { "body": {} } }"#,
+    ] {
+        let (code, message, _) = refused(parse(text, "a.gltf"));
+        assert_eq!(code, "unsupported-variant", "{message}");
+        assert_eq!(message, "version 1.0 of glTF cannot be read; save it as glTF 2.0");
+    }
 }

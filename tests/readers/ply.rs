@@ -135,3 +135,142 @@ fn what_is_left_over_or_not_understood_is_reported() {
         + "4 0 1 2 -1\n";
     assert_eq!(repaired(&parse(strips, "a.ply").unwrap(), "triangle-strips"), 1);
 }
+
+#[test]
+fn types_of_any_width_are_passed_over_or_read() {
+    for (name, size) in [
+        ("bool", 1),
+        ("int64", 8),
+        ("uint64", 8),
+        ("long", 8),
+        ("int64_t", 8),
+        ("half", 2),
+        ("float16", 2),
+        ("ubyte", 1),
+    ] {
+        let bytes = elaborate(name, |_| vec![0; size]);
+        let unread = String::from_utf8_lossy(&bytes[..600]).replacen(" label", " stamp", 1).into_bytes();
+        let header = unread.windows(10).position(|w| w == b"end_header").unwrap();
+        let begin = bytes.windows(10).position(|w| w == b"end_header").unwrap();
+        assert_is_torus(&parse([&unread[..header], &bytes[begin..]].concat(), "a.ply").unwrap());
+    }
+    let expected: Vec<u32> = (0..64).map(|i| i / 5).collect();
+    for name in ["int64", "uint64"] {
+        let shape = parse(elaborate(name, |i| (i as u64 / 5).to_le_bytes().to_vec()), "a.ply").unwrap();
+        assert_eq!(shape.labels(), Some(&expected[..]), "{name}");
+    }
+    let shape = parse(elaborate("half", |i| vec![0, if i % 2 == 0 { 0 } else { 0x3C }]), "a.ply").unwrap();
+    assert_eq!(&shape.labels().unwrap()[..3], [0, 1, 0]);
+    let stamps = ply_text(&torus()).replacen(
+        "property double x",
+        "property int64 stamp\nproperty bool good\nproperty double x",
+        1,
+    );
+    let (header, body) = stamps.split_once("end_header\n").unwrap();
+    let body: Vec<String> = body
+        .lines()
+        .enumerate()
+        .map(|(i, line)| if i < 64 { format!("5176470752{i:03} true {line}") } else { line.to_owned() })
+        .collect();
+    assert_is_torus(&parse(format!("{header}end_header\n{}\n", body.join("\n")), "a.ply").unwrap());
+}
+
+/// A property and its value for each point.
+type Column = (&'static str, fn(usize) -> String);
+
+/// A text PLY of the torus with these columns behind its coordinates.
+fn with_columns(columns: &[Column]) -> String {
+    let text = ply_text(&torus());
+    let (header, body) = text.split_once("end_header\n").unwrap();
+    let declared: String = columns.iter().map(|(name, _)| format!("property float {name}\n")).collect();
+    let header = header.replacen("element face", &format!("{declared}element face"), 1);
+    let rows = body.lines().enumerate().map(|(i, line)| match i {
+        0..64 => columns.iter().fold(line.to_owned(), |row, (_, value)| row + " " + &value(i)) + "\n",
+        _ => format!("{line}\n"),
+    });
+    format!("{header}end_header\n{}", rows.collect::<String>())
+}
+
+#[test]
+fn labels_are_taken_under_what_programs_call_them() {
+    let expected: Vec<u32> = (0..64).map(|i| i / 5).collect();
+    for name in [
+        "scalar_label",
+        "scalar_Label",
+        "segment_id",
+        "class",
+        "Classification",
+        "part",
+        "scalar_segment_id",
+        "semantic",
+    ] {
+        let shape = parse(with_columns(&[(name, |i| format!("{}.000000", i / 5))]), "a.ply").unwrap();
+        assert_eq!(shape.labels(), Some(&expected[..]), "{name}");
+        assert_eq!(shape.repairs(), [], "{name}");
+    }
+    let both: [Column; 2] = [("class", |i| (i % 2).to_string()), ("label", |i| (i / 5).to_string())];
+    let shape = parse(with_columns(&both), "a.ply").unwrap();
+    assert_eq!(shape.labels(), Some(&expected[..]), "what is called label comes first");
+    assert_eq!(repaired(&shape, "label-columns-ignored"), 1);
+    assert!(shape.repairs()[0].message.contains("“label”") && shape.repairs()[0].message.ends_with("“class”"));
+}
+
+#[test]
+fn columns_that_look_like_labels_and_are_not_taken_are_named() {
+    let shape = parse(with_columns(&[("scalar_my_label_2", |i| i.to_string())]), "a.ply").unwrap();
+    assert_eq!(shape.labels(), None);
+    assert!(shape.repairs()[0].message.contains("“scalar_my_label_2”"), "{:?}", shape.repairs());
+    let shape = parse(with_columns(&[("scalar_label", |i| format!("{i}.5"))]), "a.ply").unwrap();
+    assert_eq!((shape.labels(), repaired(&shape, "labels-ignored")), (None, 1));
+    let shape = parse(with_columns(&[("class", |_| "3".to_owned())]), "a.ply").unwrap();
+    assert_eq!((shape.labels(), repaired(&shape, "label-columns-ignored")), (None, 1), "one value tells nothing apart");
+}
+
+#[test]
+fn headers_as_they_come_are_read() {
+    let text = ply_text(&torus());
+    for (from, to) in [
+        ("comment made", "made"),
+        ("comment made by a test\n", ""),
+        ("comment made by a test\n", "\n\nVCGLIB generated (2024)\n"),
+        ("ply\n", "PLY \n"),
+        ("end_header", "END_HEADER \t"),
+        ("format ascii 1.0", "format ASCII 1.0"),
+        ("element vertex", "Element Vertex"),
+        ("property double x", "property double X"),
+        ("property list uchar int vertex_indices", "property\tlist  uchar int vertex_index "),
+    ] {
+        let shape = parse(text.replacen(from, to, 1), "a.ply").unwrap_or_else(|e| panic!("{to:?}: {e}"));
+        assert_eq!((shape.points(), shape.faces()), (&torus().points[..], &torus().faces[..]), "{to:?}");
+        let strange = usize::from(to.starts_with("made") || to.contains("VCGLIB"));
+        assert_eq!(repaired(&shape, "header-lines-ignored"), strange, "{to:?}");
+    }
+}
+
+#[test]
+fn data_begins_behind_the_line_end_that_the_header_uses() {
+    // The first coordinate of a big-endian file may begin with the byte of a line feed.
+    let mut moved = torus();
+    moved.points[0] = [f64::from(f32::from_be_bytes([10, 0, 0, 1])), 1.0, 0.0];
+    for end in ["\n", "\r", "\r\n"] {
+        let bytes = ply_binary(&moved, true);
+        let at = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+        let header = String::from_utf8_lossy(&bytes[..at]).replace('\n', end);
+        let shape =
+            parse([header.as_bytes(), &bytes[at..]].concat(), "a.ply").unwrap_or_else(|e| panic!("{end:?}: {e}"));
+        assert_eq!((shape.points(), shape.faces()), (&moved.points[..], &moved.faces[..]), "{end:?}");
+    }
+}
+
+#[test]
+fn points_that_are_no_numbers_stay_points_of_the_file() {
+    for nan in ["nan", "-nan", "-nan(ind)", "1.#IND"] {
+        let ply = ply_text(&torus()).replacen("\n3 0 0\n", &format!("\n3 {nan} 0\n"), 1);
+        let off = crate::sample::off(&torus()).replacen("\n3 0 0\n", &format!("\n3 {nan} 0\n"), 1);
+        let obj = crate::sample::obj(&torus()).replacen("v 3 0 0\n", &format!("v 3 {nan} 0\n"), 1);
+        for (text, name) in [(ply, "a.ply"), (off, "a.off"), (obj, "a.obj")] {
+            let (code, message, details) = refused(parse(text, name));
+            assert_eq!((code, &details["index"]), ("not-finite", &0.into()), "{name}, {nan}: {message}");
+        }
+    }
+}

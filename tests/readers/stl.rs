@@ -91,12 +91,82 @@ fn counts_larger_or_smaller_than_the_file_are_noticed() {
         bytes[80..84].copy_from_slice(&count.to_le_bytes());
         parse(bytes, "a.stl")
     };
-    for lie in [129, 70_000, u32::MAX >> 8] {
+    for lie in [140, 70_000, u32::MAX >> 8] {
         assert_eq!(refused(with(lie)).0, "truncated-file");
     }
-    let shape = with(120).unwrap();
-    assert_eq!((shape.faces().len(), repaired(&shape, "trailing-data")), (120, 400));
-    assert_eq!(refused(with(0)).0, "missing-element");
+    for (lie, by) in [(129, 1), (120, 8)] {
+        let shape = with(lie).unwrap();
+        assert_eq!((shape.faces().len(), repaired(&shape, "count-wrong")), (128, by));
+    }
+    let mut bytes = stl_binary(&torus());
+    bytes.extend([7; 21]);
+    let shape = parse(&bytes, "a.stl").unwrap();
+    assert_eq!((shape.faces().len(), repaired(&shape, "trailing-data")), (128, 21));
+    // Fifty bytes that can be no triangle of this body.
+    bytes.truncate(bytes.len() - 21);
+    bytes.extend([0x7E; 50]);
+    let shape = parse(&bytes, "a.stl").unwrap();
+    assert_eq!((shape.faces().len(), repaired(&shape, "trailing-data")), (128, 50));
+}
+
+#[test]
+fn a_binary_file_whose_count_was_never_filled_in_is_read_whole() {
+    for count in [0, u32::MAX, i32::MAX as u32] {
+        for header in ["solid", "exported"] {
+            let mut bytes = stl_binary(&torus());
+            bytes[..80].fill(b' ');
+            bytes[..header.len()].copy_from_slice(header.as_bytes());
+            bytes[80..84].copy_from_slice(&count.to_le_bytes());
+            for name in ["a.stl", "a"] {
+                let shape = parse(&bytes, name).unwrap_or_else(|e| panic!("{count} {header} {name}: {e}"));
+                assert_eq!(shape.points(), soup(&torus()).points);
+                assert_eq!(repaired(&shape, "count-wrong"), count.abs_diff(128) as usize);
+            }
+            let cut = refused(parse(&bytes[..bytes.len() - 20], "a.stl"));
+            assert_eq!(cut.0, "truncated-file", "{}", cut.1);
+        }
+    }
+    assert_eq!(refused(parse([0; 84], "a.stl")).0, "missing-element");
+}
+
+#[test]
+fn text_is_a_stream_of_words_whatever_lines_they_stand_in() {
+    let text = stl_text(&torus());
+    let bare = text.replace(" made by a test", "");
+    for (what, text) in [
+        ("end loop", text.replace("endloop", "end loop").replace("endfacet", "end facet")),
+        ("end solid with a name", text.replace("endsolid", "end solid")),
+        ("endsolid and a name in one word", text.replace("endsolid made", "endsolidmade")),
+        ("solid and a name in one word", text.replacen("solid made", "solidmade", 1)),
+        ("one line", text.replace('\n', " ")),
+        ("one line without names", bare.replace('\n', " ")),
+        ("one line in capitals", text.replace('\n', "\t").to_uppercase()),
+        ("a word in every line", bare.split_whitespace().collect::<Vec<_>>().join("\r\n")),
+        ("OUTER LOOP in capitals", text.replace("outer loop", "OUTER LOOP").replace("vertex", "VERTEX")),
+        ("normals that are no numbers", text.replace("normal 0 0 0", "normal -nan(ind) nan 1.#IND")),
+        ("normals with decimal commas", text.replace("normal 0 0 0", "normal 0,5 0,5 0,7")),
+        ("facets without normals", text.replace("facet normal 0 0 0", "facet")),
+        ("a name that has keywords in it", text.replace("made by a test", "solid facet of a solid loop")),
+        ("the name of the end has the word solid", text.replace("endsolid made by a test", "endsolid my solid body")),
+        ("comments", text.replacen("outer", "# a comment\nouter", 1)),
+    ] {
+        let shape = parse(&text, "a.stl").unwrap_or_else(|e| panic!("{what}: {e}"));
+        assert_is_loose_torus(&shape);
+    }
+}
+
+#[test]
+fn what_follows_the_last_solid_is_passed_over_and_said_so() {
+    let shape = parse(stl_text(&torus()) + "exported in 3 s\n\x1A\n", "a.stl").unwrap();
+    assert_eq!((shape.faces().len(), repaired(&shape, "trailing-data")), (128, 2));
+}
+
+#[test]
+fn several_solids_in_one_line_are_joined() {
+    let mut moved = torus();
+    moved.points.iter_mut().for_each(|p| p[0] += 10.0);
+    let text = (stl_text(&torus()) + &stl_text(&moved)).replace('\n', " ");
+    assert_eq!(parse(text, "a.stl").unwrap().points().len(), 768);
 }
 
 #[test]

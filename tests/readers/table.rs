@@ -1,6 +1,6 @@
 use geose_fmap::Shape;
 
-use crate::sample::{csv, parse, pts, refused, repaired, torus, xyz};
+use crate::sample::{parse, pts, refused, repaired, torus, xyz};
 
 fn assert_is_cloud(shape: &Shape) {
     assert_eq!((shape.points(), shape.faces().len()), (&torus().points[..], 0));
@@ -71,7 +71,8 @@ fn a_title_that_names_no_columns_is_passed_over_and_said_so() {
         shape.repairs()[0].message,
         "line 1 (“Scan of a torus”) names no x, y and z, so the first three columns are taken for them"
     );
-    assert_eq!(refused(parse(format!("one\ntwo\n{}", xyz(&torus())), "a.xyz")).0, "short-line");
+    let shape = parse(format!("one\ntwo\n{}", xyz(&torus())), "a.xyz").unwrap();
+    assert!(shape.repairs()[0].message.starts_with("line 2 (“two”) names no x"));
 }
 
 #[test]
@@ -122,10 +123,155 @@ fn wrong_numbers_and_lines_are_refused_with_their_place() {
     assert_eq!(with("3 0 0\n1 2").1, "XYZ, line 2: a point needs 3 values, the line has 2");
     assert_eq!(with("3 0 0\n1 2 3 4").1, "XYZ, line 2: the line has 4 columns, and the first point has 3");
     assert_eq!(with("3 0 0\n12").1, "XYZ, line 2: a point needs 3 values, the line has 1");
-    assert_eq!(
-        refused(parse(csv(&torus()).replacen("3,0,0", "3,,0", 1), "a.csv")).1,
-        "CSV, line 2: “” is not a number"
-    );
     assert_eq!(refused(parse("# nothing\n\n", "a.csv")).1, "this CSV has no line with the coordinates of a point");
     assert_eq!(refused(parse("0\n", "a.pts")).0, "missing-element");
+}
+
+/// The same row of every point under its number.
+fn numbered(before: &str, row: impl Fn(usize, [String; 3]) -> String) -> String {
+    let rows = torus().points.into_iter().enumerate().map(|(i, p)| row(i, p.map(|c| c.to_string())) + "\n");
+    before.to_owned() + &rows.collect::<String>()
+}
+
+#[test]
+fn coordinates_are_found_under_decorated_headings() {
+    for (heading, order) in [
+        ("x coord, y coord, z coord, scalar", "xyzs"),
+        ("\"Normals:0\",\"Normals:1\",\"Normals:2\",\"Points:0\",\"Points:1\",\"Points:2\"", "nnnxyz"),
+        ("id,X [mm],Y [mm],Z [mm]", "sxyz"),
+        ("frame,pos_x,pos_y,pos_z", "fxyz"),
+        ("X(m),Y(m),Z(m),nx,ny,nz", "xyznnn"),
+        ("nx,ny,nz,x,y,z", "nnnxyz"),
+        ("R,G,B,PositionX,PositionY,PositionZ", "nnnxyz"),
+        ("Northing,Easting,Elevation", "yxz"),
+        ("# exported\n# columns = id,x,y,z,ow,ox,oy,oz,vis,label,desc", "sxyznnnsstt"),
+        ("Points:0;Points:1;Points:2;gr\u{f6}\u{df}e", "xyzs"),
+        ("made by a scanner\nx,y,z\n[mm],[mm],[mm]", "xyz"),
+    ] {
+        let separator = if heading.contains(';') { ";" } else { "," };
+        let text = numbered(&format!("{heading}\n"), |i, [x, y, z]| {
+            let field = |c: char| match c {
+                'x' => x.clone(),
+                'y' => y.clone(),
+                'z' => z.clone(),
+                'n' => format!("0.{}", i % 7 + 1),
+                's' => i.to_string(),
+                'f' => "4".to_owned(),
+                _ => "F-1".to_owned(),
+            };
+            order.chars().map(field).collect::<Vec<_>>().join(separator)
+        });
+        for text in [text.clone(), text.replace('\n', "\r\n"), text.replace(separator, "\t")] {
+            let shape = parse(&text, "a.csv").unwrap_or_else(|e| panic!("{heading}: {e}"));
+            assert_eq!(shape.points(), torus().points, "{heading}");
+        }
+    }
+}
+
+#[test]
+fn columns_that_cannot_be_told_apart_are_refused_with_their_headings() {
+    for heading in ["left_x,left_y,left_z,right_x,right_y,right_z", "a,b,c,d,e,f", "nx,ny,nz,r,g,b"] {
+        let text = numbered(&format!("{heading}\n"), |i, [x, y, z]| format!("{x},{y},{z},{z},{x},0.{i}"));
+        let (code, message, details) = refused(parse(text, "a.csv"));
+        assert_eq!((code, &details["line"]), ("ambiguous-columns", &1.into()), "{message}");
+        let first = heading.split(',').next().unwrap();
+        assert!(
+            message.contains(&format!("“{first}”")) && message.contains("call those three x, y and z"),
+            "{message}"
+        );
+    }
+    let text = numbered("lat,lon,alt\n", |_, [x, y, z]| format!("{x},{y},{z}"));
+    assert_eq!(refused(parse(text, "a.csv")).0, "ambiguous-columns");
+}
+
+#[test]
+fn row_numbers_without_a_heading_are_no_coordinates() {
+    for first in [0, 1] {
+        for (before, name) in [("", "a.csv"), ("", "a.txt"), ("64\n", "a.pts"), ("a title\n", "a.xyz")] {
+            for separator in [",", " ", "\t", ";"] {
+                let text = numbered(before, |i, [x, y, z]| [(i + first).to_string(), x, y, z].join(separator));
+                let shape = parse(text, name).unwrap_or_else(|e| panic!("{before:?} {name} {separator:?}: {e}"));
+                assert_is_cloud(&shape);
+                assert_eq!(repaired(&shape, "row-numbers-ignored"), 1);
+            }
+        }
+    }
+    // Headings of everything but the row numbers, as R writes them.
+    assert_is_cloud(
+        &parse(numbered("\"x\" \"y\" \"z\"\n", |i, p| format!("\"{}\" {}", i + 1, p.join(" "))), "a.txt").unwrap(),
+    );
+    // Headings that are numbers, as pandas writes them.
+    assert_is_cloud(&parse(numbered(",0,1,2\n", |i, p| format!("{i},{}", p.join(","))), "a.csv").unwrap());
+    let decimals = |p: [String; 3]| p.map(|c| if c.contains('.') { c } else { c + ".0" }).join(",");
+    assert_is_cloud(&parse(numbered("0,1,2\n", |_, p| decimals(p)), "a.csv").unwrap());
+    // A frame's number, and names.
+    assert_is_cloud(&parse(numbered("", |_, p| format!("17 {}", p.join(" "))), "a.xyz").unwrap());
+    assert_is_cloud(&parse(numbered("", |i, p| format!("P{i},{}", p.join(","))), "a.csv").unwrap());
+}
+
+#[test]
+fn a_first_column_that_only_begins_like_row_numbers_is_a_coordinate() {
+    let text: String = (0..96).map(|i| format!("{} {} {} 9\n", i % 48, i / 48, i % 5)).collect();
+    let shape = parse(text, "a.xyz").unwrap();
+    assert_eq!((shape.points()[1], shape.points()[50]), ([1.0, 0.0, 1.0], [2.0, 1.0, 0.0]));
+}
+
+#[test]
+fn decimal_commas_are_read_where_they_can_be_nothing_else() {
+    let comma =
+        |p: [String; 3], quote: &str, by: &str| p.map(|c| format!("{quote}{}{quote}", c.replace('.', ","))).join(by);
+    for (quote, by) in [("\"", ","), ("", ";"), ("", "\t"), ("", " "), ("\"", ";")] {
+        for before in ["", "x,y,z\n"] {
+            let text = numbered(&before.replace(',', by), |_, p| comma(p, quote, by));
+            let shape = parse(text, "a.csv").unwrap_or_else(|e| panic!("{quote}{by}: {e}"));
+            assert_is_cloud(&shape);
+        }
+    }
+    // Between commas they cut the numbers in two.
+    let fixed = |p: [String; 3]| p.map(|c| format!("{:.6}", c.parse::<f64>().unwrap()).replace('.', ","));
+    for before in ["x, y, z\n", ""] {
+        for by in [", ", ","] {
+            let (code, message, _) = refused(parse(numbered(before, |_, p| fixed(p).join(by)), "a.csv"));
+            assert_eq!(code, "bad-number", "{message}");
+            assert!(message.contains("“3,000000” is not a number (decimals are written with a point)"), "{message}");
+        }
+    }
+    // Three digits behind every comma may be thousands.
+    let thousands: String =
+        (1..99).map(|i| format!("\"{i},{:03}\",\"{},100\",\"{},200\"\n", i * 7, i % 7 + 1, i % 5 + 1)).collect();
+    let (code, message, _) = refused(parse(thousands, "a.csv"));
+    assert_eq!(code, "bad-number", "{message}");
+}
+
+/// Whether exactly this point is the first that is no number, however the shape takes it.
+fn assert_is_nan(text: String, name: &str, index: usize) {
+    match parse(&text, name) {
+        Err(error) => assert_eq!((error.code(), &error.details()["index"]), ("not-finite", &index.into()), "{error}"),
+        Ok(shape) => assert!(!shape.repairs().is_empty(), "what becomes of the point is said"),
+    }
+}
+
+#[test]
+fn rows_without_a_value_stay_points_that_are_no_numbers() {
+    for missing in ["nan", "NaN", "-nan(ind)", "1.#QNAN", "#N/A", "N/A", "NULL", "#DIV/0!", "inf"] {
+        let row = |by: &'static str| {
+            move |i: usize, [x, y, z]: [String; 3]| [x, if i == 9 { missing.to_owned() } else { y }, z].join(by)
+        };
+        assert_is_nan(numbered("", row(" ")), "a.xyz", 9);
+        assert_is_nan(numbered("x;y;z\n", row(";")), "a.csv", 9);
+        assert_is_nan(numbered("", row(",")), "a.csv", 9);
+    }
+    for by in [",", ";", "\t"] {
+        assert_is_nan(numbered("", |i, [x, y, z]| [x, if i == 0 { String::new() } else { y }, z].join(by)), "a.csv", 0);
+    }
+    let short = parse(numbered("", |i, p| if i == 9 { "1,2".to_owned() } else { p.join(",") }), "a.csv");
+    assert_eq!(refused(short).0, "short-line", "a row that lacks a column is another thing");
+}
+
+#[test]
+fn text_within_quotation_marks_may_hold_separators() {
+    let text = numbered("name,x,y,z\n", |i, p| format!("\"Smith, J. {i}\",{}", p.join(",")));
+    assert_is_cloud(&parse(text, "a.csv").unwrap());
+    let text = numbered("x,y,z,place\n", |_, p| format!("{},New York", p.join(",")));
+    assert_is_cloud(&parse(text, "a.csv").unwrap());
 }

@@ -1,76 +1,18 @@
 //! Numbers out of accessors, after every range they span has been checked.
 
-use std::borrow::Cow;
-
-use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
 use gltf::accessor::{DataType, Dimensions, Item, Iter};
-use gltf::{Accessor, Buffer, Document, buffer};
+use gltf::{Accessor, Buffer, buffer};
 
+use super::buffers::Buffers;
 use super::container::GLTF;
 use crate::read::error::{Place, ReadError};
-
-/// The data of each buffer, or why it cannot be had: that only matters once something is read from it.
-pub(super) struct Buffers<'a>(Vec<Result<Cow<'a, [u8]>, ReadError>>);
-
-impl<'a> Buffers<'a> {
-    pub fn of(document: &Document, blob: Option<&'a [u8]>, compression: Option<String>) -> Self {
-        Self(document.buffers().map(|buffer| load(&buffer, blob, compression.as_deref())).collect())
-    }
-
-    fn get(&self, buffer: &Buffer) -> Result<&[u8], ReadError> {
-        match &self.0[buffer.index()] {
-            Ok(data) => Ok(data),
-            Err(error) => Err(error.clone()),
-        }
-    }
-}
-
-fn load<'a>(buffer: &Buffer, blob: Option<&'a [u8]>, compression: Option<&str>) -> Result<Cow<'a, [u8]>, ReadError> {
-    let at = || Place::Object(format!("buffers[{}]", buffer.index()));
-    let data = match (buffer.source(), blob) {
-        (buffer::Source::Uri(uri), _) => match uri.strip_prefix("data:") {
-            Some(data) => Cow::Owned(decode(data).ok_or_else(|| ReadError::Malformed {
-                format: GLTF,
-                problem: "its data URI is not valid base64".to_owned(),
-                at: at(),
-            })?),
-            None => return Err(ReadError::ExternalBuffer { uri: uri.chars().take(200).collect() }),
-        },
-        (buffer::Source::Bin, Some(blob)) => Cow::Borrowed(blob),
-        (buffer::Source::Bin, None) => {
-            return Err(match compression {
-                Some(extension) => ReadError::UnsupportedExtension { extension: extension.to_owned() },
-                None => ReadError::MissingElement { format: GLTF, what: format!("data for buffer {}", buffer.index()) },
-            });
-        }
-    };
-    if data.len() < buffer.length() {
-        let (promised, found) = (buffer.length() as u64, data.len() as u64);
-        let what = format!("bytes in buffer {}", buffer.index());
-        return Err(ReadError::Truncated { format: GLTF, what, promised, found, at: at() });
-    }
-    Ok(data)
-}
-
-/// What follows `data:`, which must be base64.
-fn decode(uri: &str) -> Option<Vec<u8>> {
-    let (_, data) = uri.split_once(";base64,")?;
-    BASE64_STANDARD.decode(data).ok()
-}
 
 /// The points of a POSITION accessor: floats, or integers as KHR_mesh_quantization allows them.
 pub(super) fn positions(accessor: Accessor, buffers: &Buffers) -> Result<Vec<[f64; 3]>, ReadError> {
     if accessor.dimensions() != Dimensions::Vec3 {
         return Err(malformed(&accessor, "points need the type VEC3"));
     }
-    let largest = match (accessor.normalized(), accessor.data_type()) {
-        (true, DataType::I8) => Some(127.0),
-        (true, DataType::U8) => Some(255.0),
-        (true, DataType::I16) => Some(32767.0),
-        (true, DataType::U16) => Some(65535.0),
-        _ => None,
-    };
+    let largest = largest(&accessor);
     let value = |c: f64| largest.map_or(c, |largest| (c / largest).max(-1.0));
     Ok(match accessor.data_type() {
         DataType::F32 => items::<[f32; 3]>(accessor, buffers)?.map(|p| p.map(f64::from)).collect(),
@@ -93,6 +35,51 @@ pub(super) fn indices(accessor: Accessor, buffers: &Buffers) -> Result<Vec<u32>,
         DataType::U32 => items::<u32>(accessor, buffers)?.collect(),
         _ => return Err(malformed(&accessor, "indices must be unsigned integers")),
     })
+}
+
+/// The joints that JOINTS_n names for each point.
+pub(super) fn joints(accessor: Accessor, buffers: &Buffers) -> Result<Vec<[u16; 4]>, ReadError> {
+    if accessor.dimensions() != Dimensions::Vec4 {
+        return Err(malformed(&accessor, "joints need the type VEC4"));
+    }
+    Ok(match accessor.data_type() {
+        DataType::U8 => items::<[u8; 4]>(accessor, buffers)?.map(|j| j.map(u16::from)).collect(),
+        DataType::U16 => items::<[u16; 4]>(accessor, buffers)?.collect(),
+        _ => return Err(malformed(&accessor, "joints must be unsigned integers of 8 or 16 bits")),
+    })
+}
+
+/// The weights that WEIGHTS_n gives these joints.
+pub(super) fn weights(accessor: Accessor, buffers: &Buffers) -> Result<Vec<[f64; 4]>, ReadError> {
+    if accessor.dimensions() != Dimensions::Vec4 {
+        return Err(malformed(&accessor, "weights need the type VEC4"));
+    }
+    let largest = largest(&accessor).unwrap_or(1.0);
+    Ok(match accessor.data_type() {
+        DataType::F32 => items::<[f32; 4]>(accessor, buffers)?.map(|w| w.map(f64::from)).collect(),
+        DataType::U8 => items::<[u8; 4]>(accessor, buffers)?.map(|w| w.map(|c| f64::from(c) / largest)).collect(),
+        DataType::U16 => items::<[u16; 4]>(accessor, buffers)?.map(|w| w.map(|c| f64::from(c) / largest)).collect(),
+        _ => return Err(malformed(&accessor, "weights must be floats or unsigned integers of 8 or 16 bits")),
+    })
+}
+
+/// The first matrices, at most `count`, by columns.
+pub(super) fn matrices(accessor: Accessor, count: usize, buffers: &Buffers) -> Result<Vec<[[f32; 4]; 4]>, ReadError> {
+    if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
+        return Err(malformed(&accessor, "inverse bind matrices need the type MAT4 of floats"));
+    }
+    Ok(items(accessor, buffers)?.take(count).collect())
+}
+
+/// What the largest integer stands for 1 with, where integers are normalised.
+fn largest(accessor: &Accessor) -> Option<f64> {
+    match (accessor.normalized(), accessor.data_type()) {
+        (true, DataType::I8) => Some(127.0),
+        (true, DataType::U8) => Some(255.0),
+        (true, DataType::I16) => Some(32767.0),
+        (true, DataType::U16) => Some(65535.0),
+        _ => None,
+    }
 }
 
 /// The accessor's items, once it is certain that the crate's iterator stays inside the buffers.
@@ -153,7 +140,7 @@ fn check(
     Ok(())
 }
 
-fn malformed(accessor: &Accessor, problem: &str) -> ReadError {
+pub(super) fn malformed(accessor: &Accessor, problem: &str) -> ReadError {
     let at = Place::Object(format!("accessors[{}]", accessor.index()));
     ReadError::Malformed { format: GLTF, problem: problem.to_owned(), at }
 }

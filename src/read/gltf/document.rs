@@ -6,8 +6,10 @@ use gltf::json::validation::{self, Validate};
 use gltf::json::{Path, Root};
 use serde_json::Value;
 
+use super::compressed::{self, Compressed, EXTENSIONS};
 use super::container::GLTF;
 use crate::read::error::{Place, ReadError};
+use crate::read::options::Pose;
 use crate::shape::{Repair, counted};
 
 /// A document whose indices are all valid.
@@ -15,6 +17,8 @@ pub(super) struct Geometry {
     pub document: Document,
     /// A compression the file uses, required or not: the reason if data turns out to be missing.
     pub compression: Option<String>,
+    /// Views that have to be decompressed; the last buffers of the document are what they become.
+    pub compressed: Vec<Compressed>,
     /// What a viewer would show differently.
     pub repairs: Vec<Repair>,
 }
@@ -24,32 +28,45 @@ const HARMLESS: [&str; 7] =
     ["KHR_materials_", "KHR_texture_", "EXT_texture_", "MSFT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"];
 
 /// What geometry needs of each object in the lists of the root.
-const KEPT: [(&str, &[&str]); 6] = [
+const KEPT: [(&str, &[&str]); 7] = [
     ("accessors", &["bufferView", "byteOffset", "componentType", "count", "normalized", "sparse", "type"]),
     ("bufferViews", &["buffer", "byteLength", "byteOffset", "byteStride"]),
     ("buffers", &["byteLength", "uri"]),
-    ("meshes", &["primitives"]),
-    ("nodes", &["children", "matrix", "mesh", "rotation", "scale", "translation"]),
+    ("meshes", &["primitives", "weights"]),
+    ("nodes", &["children", "matrix", "mesh", "rotation", "scale", "skin", "translation", "weights"]),
     ("scenes", &["nodes"]),
+    ("skins", &["inverseBindMatrices", "joints"]),
 ];
 
-pub(super) fn parse(json: &[u8]) -> Result<Geometry, ReadError> {
-    let mut root: Value = serde_json::from_slice(json).map_err(|e| ReadError::Malformed {
+/// The geometry of a document in a pose. What is decompressed may take `room` bytes.
+pub(super) fn parse(json: &[u8], pose: Pose, room: usize) -> Result<Geometry, ReadError> {
+    // Names may be in another encoding, and some writers fill up with zeros.
+    let json = String::from_utf8_lossy(json);
+    let json = json.trim_start_matches('\u{feff}').trim_end_matches(|c: char| c == '\0' || c.is_whitespace());
+    let mut root: Value = serde_json::from_str(json).map_err(|e| ReadError::Malformed {
         format: GLTF,
         problem: format!("its JSON cannot be read: {e}"),
         at: Place::Line(e.line()),
     })?;
-    let version = root["asset"]["version"].as_str().unwrap_or("2.0");
-    if !version.starts_with("2.") {
-        let feature = format!("version {} of glTF", version.chars().take(10).collect::<String>());
+    // The first version kept its meshes by name.
+    let old = if root["meshes"].is_object() { "1.0" } else { "2.0" };
+    let version = match &root["asset"]["version"] {
+        Value::String(version) => version.chars().take(10).collect(),
+        Value::Number(version) => version.to_string(),
+        _ => old.to_owned(),
+    };
+    if version.split('.').next() != Some("2") {
+        let feature = format!("version {version} of glTF");
         return Err(ReadError::Unsupported { feature, cure: "save it as glTF 2.0" });
     }
     if let Some(extension) = names(&root, "extensionsRequired").find(|name| !is_supported(name)) {
         return Err(ReadError::UnsupportedExtension { extension });
     }
-    let compression = names(&root, "extensionsUsed").find(|n| n.contains("draco") || n.contains("meshopt"));
-    let repairs = unseen(&root);
-    reduce(&mut root);
+    let compression = names(&root, "extensionsUsed").find(|n| n.contains("draco"));
+    let repairs = if pose == Pose::Rest { unseen(&root) } else { Vec::new() };
+    let extensions: Vec<Value> = list(&root, "bufferViews").map(|view| view["extensions"].clone()).collect();
+    reduce(&mut root, pose);
+    let compressed = compressed::take(&mut root, &extensions, room)?;
 
     let problem = |problem: String, at: String| match &compression {
         Some(extension) => ReadError::UnsupportedExtension { extension: extension.clone() },
@@ -61,7 +78,7 @@ pub(super) fn parse(json: &[u8]) -> Result<Geometry, ReadError> {
         return Err(problem(error.to_string().to_lowercase(), path.to_string()));
     }
     let document = Document::from_json_without_validation(root);
-    Ok(Geometry { document, compression, repairs })
+    Ok(Geometry { document, compression, compressed, repairs })
 }
 
 /// The crate's own checks, list by list. Not [`Document::from_json`]: its check of a primitive indexes the accessors with a
@@ -77,12 +94,14 @@ fn first_fault(root: &Root) -> Option<(Path, validation::Error)> {
     root.buffers.validate(root, at("buffers"), &mut note);
     root.nodes.validate(root, at("nodes"), &mut note);
     root.scenes.validate(root, at("scenes"), &mut note);
+    root.skins.validate(root, at("skins"), &mut note);
     for (m, mesh) in root.meshes.iter().enumerate() {
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let at = |field: &'static str| move || at("meshes")().index(m).field("primitives").index(p).field(field);
             primitive.attributes.validate(root, at("attributes"), &mut note);
             primitive.indices.validate(root, at("indices"), &mut note);
             primitive.mode.validate(root, at("mode"), &mut note);
+            primitive.targets.validate(root, at("targets"), &mut note);
         }
     }
     fault
@@ -97,10 +116,12 @@ fn names(root: &Value, key: &str) -> impl Iterator<Item = String> {
 }
 
 fn is_supported(extension: &str) -> bool {
-    extension == "KHR_mesh_quantization" || HARMLESS.iter().any(|prefix| extension.starts_with(prefix))
+    extension == "KHR_mesh_quantization"
+        || EXTENSIONS.contains(&extension)
+        || HARMLESS.iter().any(|prefix| extension.starts_with(prefix))
 }
 
-/// Skins and morph targets move points in a viewer; here points stay as they are stored.
+/// Skins and morph targets move points in a viewer; in rest pose points stay as they are stored.
 fn unseen(root: &Value) -> Vec<Repair> {
     let skins = list(root, "nodes").filter(|n| n.get("skin").is_some() && n.get("mesh").is_some()).count();
     let primitives = list(root, "meshes").flat_map(|mesh| list(mesh, "primitives"));
@@ -114,9 +135,10 @@ fn unseen(root: &Value) -> Vec<Repair> {
     skins.into_iter().chain(morphs).collect()
 }
 
-/// Leaves only what [`KEPT`] names, and of primitives those with a POSITION.
-fn reduce(root: &mut Value) {
-    keep(root, &["asset", "accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes"]);
+/// Leaves only what [`KEPT`] names, of primitives those with a POSITION, and of joints, weights and targets what the pose needs.
+fn reduce(root: &mut Value, pose: Pose) {
+    keep(root, &["asset", "accessors", "bufferViews", "buffers", "meshes", "nodes", "scenes", "skins"]);
+    let skinned = pose == Pose::Saved && list(root, "nodes").any(|node| node.get("skin").is_some());
     for (list, keys) in KEPT {
         entries(root, list).for_each(|object| keep(object, keys));
     }
@@ -128,8 +150,16 @@ fn reduce(root: &mut Value) {
             primitives.retain(|p| p["attributes"].get("POSITION").is_some());
         }
         for primitive in entries(mesh, "primitives") {
-            keep(primitive, &["attributes", "indices", "mode"]);
-            primitive.get_mut("attributes").into_iter().for_each(|a| keep(a, &["POSITION"]));
+            let parts: &[&str] = match pose {
+                Pose::Saved => &["attributes", "indices", "mode", "targets"],
+                Pose::Rest => &["attributes", "indices", "mode"],
+            };
+            keep(primitive, parts);
+            if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
+                let moves = |name: &str| name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
+                attributes.retain(|name, _| name == "POSITION" || skinned && moves(name));
+            }
+            entries(primitive, "targets").for_each(|target| keep(target, &["POSITION"]));
         }
     }
     for scene in entries(root, "scenes").filter_map(Value::as_object_mut) {

@@ -14,15 +14,12 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    const IDENTITY: Self = Self { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], offset: [0.0; 3] };
+    pub const IDENTITY: Self = Self { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], offset: [0.0; 3] };
 
     /// A node's own transform, `T · R · S` or a matrix.
     fn of(node: &Node) -> Self {
         match node.transform() {
-            Transform::Matrix { matrix } => {
-                let [a, b, c, d] = matrix.map(|[x, y, z, _]| [x, y, z].map(f64::from));
-                Self { columns: [a, b, c], offset: d }
-            }
+            Transform::Matrix { matrix } => Self::from_matrix(matrix),
             Transform::Decomposed { translation, rotation, scale } => {
                 let [x, y, z, w] = rotation.map(f64::from);
                 let turned = [
@@ -39,8 +36,25 @@ impl Placement {
         }
     }
 
+    /// From a matrix by columns, whose last row is taken for 0, 0, 0, 1.
+    pub fn from_matrix(matrix: [[f32; 4]; 4]) -> Self {
+        let [a, b, c, d] = matrix.map(|[x, y, z, _]| [x, y, z].map(f64::from));
+        Self { columns: [a, b, c], offset: d }
+    }
+
+    /// The weighted sum of maps.
+    pub fn blend(parts: impl Iterator<Item = (f64, Self)>) -> Self {
+        let mut sum = Self { columns: [[0.0; 3]; 3], offset: [0.0; 3] };
+        for (weight, part) in parts {
+            let numbers = part.columns.as_flattened().iter().chain(&part.offset);
+            let sums = sum.columns.as_flattened_mut().iter_mut().chain(&mut sum.offset);
+            sums.zip(numbers).for_each(|(sum, number)| *sum += weight * number);
+        }
+        sum
+    }
+
     /// `child` first, then `self`.
-    fn after(&self, child: &Self) -> Self {
+    pub fn after(&self, child: &Self) -> Self {
         let linear = Self { offset: [0.0; 3], ..*self };
         Self { columns: child.columns.map(|c| linear.apply(c)), offset: self.apply(child.offset) }
     }
@@ -61,17 +75,25 @@ impl Placement {
     }
 }
 
+/// A mesh in the scene.
+pub(super) struct Placed<'a> {
+    pub mesh: Mesh<'a>,
+    /// The node that shows it; none in a file without nodes.
+    pub node: Option<Node<'a>>,
+    /// Where that node stands.
+    pub placement: Placement,
+}
+
 /// Every mesh of every scene with its placement: parents before children, children in their order, each node once. A file
 /// without scenes shows all its root nodes, one without nodes its meshes.
-pub(super) fn placed_meshes(document: &Document) -> Result<Vec<(Mesh<'_>, Placement)>, ReadError> {
+pub(super) fn placed_meshes(document: &Document) -> Result<Vec<Placed<'_>>, ReadError> {
     if document.nodes().len() == 0 {
-        return Ok(document.meshes().map(|mesh| (mesh, Placement::IDENTITY)).collect());
+        let placed = |mesh| Placed { mesh, node: None, placement: Placement::IDENTITY };
+        return Ok(document.meshes().map(placed).collect());
     }
     let mut scenes: Vec<Vec<Node>> = document.scenes().map(|scene| scene.nodes().collect()).collect();
     if scenes.is_empty() {
-        let mut is_child = vec![false; document.nodes().len()];
-        document.nodes().flat_map(|node| node.children()).for_each(|child| is_child[child.index()] = true);
-        scenes.push(document.nodes().filter(|node| !is_child[node.index()]).collect());
+        scenes.push(roots(document));
     }
 
     let mut meshes = Vec::new();
@@ -92,10 +114,31 @@ pub(super) fn placed_meshes(document: &Document) -> Result<Vec<(Mesh<'_>, Placem
                 }
             }
             let placement = parent.after(&Placement::of(&node));
-            meshes.extend(node.mesh().map(|mesh| (mesh, placement)));
             let children: Vec<Node> = node.children().collect();
             waiting.extend(children.into_iter().rev().map(|child| (child, placement)));
+            meshes.extend(node.mesh().map(|mesh| Placed { mesh, node: Some(node), placement }));
         }
     }
     Ok(meshes)
+}
+
+/// Where every node stands, in a scene or not; none for nodes that go round in a circle.
+pub(super) fn placements(document: &Document) -> Vec<Option<Placement>> {
+    let mut placements = vec![None; document.nodes().len()];
+    let mut waiting: Vec<(Node, Placement)> =
+        roots(document).into_iter().map(|node| (node, Placement::IDENTITY)).collect();
+    while let Some((node, parent)) = waiting.pop() {
+        let placement = parent.after(&Placement::of(&node));
+        if placements[node.index()].replace(placement).is_none() {
+            waiting.extend(node.children().map(|child| (child, placement)));
+        }
+    }
+    placements
+}
+
+/// Nodes that are no child of another.
+fn roots(document: &Document) -> Vec<Node<'_>> {
+    let mut is_child = vec![false; document.nodes().len()];
+    document.nodes().flat_map(|node| node.children()).for_each(|child| is_child[child.index()] = true);
+    document.nodes().filter(|node| !is_child[node.index()]).collect()
 }

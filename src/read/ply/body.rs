@@ -1,5 +1,7 @@
 //! The values of a PLY, one at a time: from lines of text or from bytes of either order. Every value becomes an f64, which
-//! holds all eight kinds exactly.
+//! holds all kinds exactly, but whole numbers beyond 2⁵³.
+
+use half::f16;
 
 use super::header::{Element, Kind, Order, PLY, Scalar};
 use crate::read::error::{Place, ReadError, quoted};
@@ -56,7 +58,8 @@ impl<'a> Body<'a> {
         match self {
             Body::Text { .. } => {
                 let word = self.word()?;
-                number(word).ok_or_else(|| Fault::NotANumber { text: quoted(word), expected: "a number" })
+                let value = number(word).or_else(|| if scalar == Scalar::Bool { truth(word) } else { None });
+                value.ok_or_else(|| Fault::NotANumber { text: quoted(word), expected: "a number" })
             }
             Body::Binary { bytes, at, big } => {
                 let size = scalar.bytes();
@@ -164,16 +167,27 @@ fn shortest(property: &super::header::Property) -> usize {
     }
 }
 
+fn truth(word: &[u8]) -> Option<f64> {
+    [("false", 0.0), ("true", 1.0)]
+        .into_iter()
+        .find(|(name, _)| word.eq_ignore_ascii_case(name.as_bytes()))
+        .map(|(_, v)| v)
+}
+
 /// A value whose bytes stand first in `word`, least significant first.
 fn decode(word: [u8; 8], scalar: Scalar) -> f64 {
     let [a, b, c, d, ..] = word;
     match scalar {
+        Scalar::Bool => f64::from(a),
         Scalar::I8 => f64::from(a as i8),
         Scalar::U8 => f64::from(a),
         Scalar::I16 => f64::from(i16::from_le_bytes([a, b])),
         Scalar::U16 => f64::from(u16::from_le_bytes([a, b])),
         Scalar::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
         Scalar::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
+        Scalar::I64 => i64::from_le_bytes(word) as f64,
+        Scalar::U64 => u64::from_le_bytes(word) as f64,
+        Scalar::F16 => f16::from_le_bytes([a, b]).to_f64(),
         Scalar::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
         Scalar::F64 => f64::from_le_bytes(word),
     }

@@ -5,24 +5,30 @@
 
 mod body;
 mod header;
+mod labels;
 
 use super::draft::Draft;
 use super::error::{Place, ReadError};
+use super::foreign;
 use super::polygons::Polygons;
 use crate::shape::{Repair, counted};
 use body::{Body, Fault};
 use header::{Element, Header, Kind, PLY};
+use labels::Labels;
 
 /// Names of the list of a face's corners, in the wild.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// Reads `x y z` and `label` of the element `vertex` and the corners of the element `face`; the rest is passed over.
+/// Reads `x y z` and labels of the element `vertex` and the corners of the element `face`; the rest is passed over.
 pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
-    let Header { order, elements, end, lines } = header::read(bytes)?;
+    let Header { order, elements, end, lines, strange } = header::read(bytes)?;
     let mut body = Body::new(bytes, end, order, lines);
     let mut vertices = None;
     let mut polygons = Polygons::new(PLY, 0);
     let mut repairs = Vec::new();
+    repairs.extend(Repair::counted("header-lines-ignored", strange, || {
+        format!("{} of the header that a PLY does not know not read", counted(strange, "line", "lines"))
+    }));
     for element in &elements {
         match element.name.as_str() {
             "vertex" => vertices = Some(read_vertices(element, &mut body)?),
@@ -46,59 +52,38 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     repairs.extend(Repair::counted("trailing-data", left, || {
         format!("{} after the last element this PLY announces not read", counted(left, "byte", "bytes"))
     }));
-    let labels = labels.and_then(|labels| labels.given(&mut repairs));
+    let labels = labels.given(&mut repairs);
     Ok(Draft { points, faces, labels, repairs })
 }
 
 struct Vertices {
     points: Vec<[f64; 3]>,
-    labels: Option<Labels>,
-}
-
-/// The property `label`, until a value turns up that cannot be one.
-#[derive(Default)]
-struct Labels {
-    values: Vec<u32>,
-    unfit: Option<(usize, f64)>,
-}
-
-impl Labels {
-    fn push(&mut self, point: usize, value: f64) {
-        if value.fract() == 0.0 && (0.0..f64::from(u32::MAX)).contains(&value) {
-            self.values.push(value as u32);
-        } else if self.unfit.is_none() {
-            self.unfit = Some((point, value));
-        }
-    }
-
-    fn given(self, repairs: &mut Vec<Repair>) -> Option<Vec<u32>> {
-        let Some((point, value)) = self.unfit else { return Some(self.values) };
-        repairs.extend(Repair::counted("labels-ignored", 1, || {
-            format!("the label {value} of point {point} is not a whole number from 0 on, so no labels are used")
-        }));
-        None
-    }
+    labels: Labels,
 }
 
 fn read_vertices(element: &Element, body: &mut Body) -> Result<Vertices, ReadError> {
-    let column =
-        |name: &str| element.properties.iter().position(|p| p.name == name && matches!(p.kind, Kind::Scalar(_)));
+    let named = |name: &str| {
+        let scalar = |same: fn(&str, &str) -> bool| {
+            element.properties.iter().position(|p| same(&p.name, name) && matches!(p.kind, Kind::Scalar(_)))
+        };
+        scalar(|a, b| a == b).or_else(|| scalar(str::eq_ignore_ascii_case))
+    };
+    if named("packed_position").is_some() {
+        return Err(foreign::compressed_splats());
+    }
     let mut axes = [0; 3];
     for (axis, name) in axes.iter_mut().zip(["x", "y", "z"]) {
-        *axis = column(name).ok_or_else(|| ReadError::MissingElement {
+        *axis = named(name).ok_or_else(|| ReadError::MissingElement {
             format: PLY,
             what: format!("property “{name}” of the element “vertex”"),
         })?;
     }
-    let label = column("label");
     let mut points = Vec::with_capacity(body.room_for(element));
-    let mut labels = label.map(|_| Labels::default());
+    let mut labels = Labels::of(element);
     let mut row = vec![0.0; element.properties.len()];
     for found in 0..element.count {
         read_row(element, body, &mut row, None).map_err(|fault| body.error(fault, element, found))?;
-        if let (Some(label), Some(labels)) = (label, &mut labels) {
-            labels.push(points.len(), row[label]);
-        }
+        labels.push(points.len(), &row);
         points.push(axes.map(|axis| row[axis]));
     }
     Ok(Vertices { points, labels })
