@@ -27,6 +27,16 @@ export function compilePackage() {
   run('tsc', ['--project', 'pkg-template'], { env: environment(toolFolders) });
 }
 
+/**
+ * The worker becomes one file, its bindings with it: whatever copies that file and nothing else (a bundler that takes it for a picture, a person) has a worker that runs.
+ */
+function bundleWorker() {
+  const worker = `${FOLDER}/worker.js`;
+  const bundle = ['--bundle', '--format=esm', '--target=es2022', '--allow-overwrite', `--outfile=${worker}`, '--log-level=warning'];
+  run('esbuild', [worker, ...bundle], { env: environment(toolFolders) });
+  for (const name of ['geose_fmap.js', 'worker.d.ts']) rmSync(at(`${FOLDER}/${name}`));
+}
+
 /** Fills dist/package. */
 export async function buildPackage() {
   await buildWasm();
@@ -38,6 +48,7 @@ export async function buildPackage() {
     for (const name of ['pkg-template/package.json', 'pkg-template/README.md', ...LICENCES, ...MODULE]) {
       cpSync(at(name), at(`${FOLDER}/${path.basename(name)}`));
     }
+    bundleWorker();
     writeFileSync(at(`${FOLDER}/THIRD-PARTY-LICENSES.txt`), shippedLicences());
   });
 }
