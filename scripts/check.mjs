@@ -1,5 +1,6 @@
 // What every commit must pass: formats, lints, types and licences, in Rust and TypeScript.
 import { note, stopwatch } from './costs.mjs';
+import { checkTable } from './environments.mjs';
 import { checkLicences } from './licences.mjs';
 import { compilePackage } from './package.mjs';
 import { environment, main, run } from './run.mjs';
@@ -18,6 +19,7 @@ export async function check() {
     'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),
     prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),
     licences: checkLicences,
+    'table of environments': checkTable,
     clippy: () => clippy(['--all-targets']),
     'clippy with trainer and GPU': () => clippy(['--all-targets', '--features', 'train,gpu']),
     'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),

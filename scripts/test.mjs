@@ -8,6 +8,7 @@ import { check } from './check.mjs';
 import { ensureChromium, webgpu, writeWebdriver } from './chromium.mjs';
 import { ofProcessor, note, slowest, step, stopwatch, takeCosts } from './costs.mjs';
 import { crateFolder, unpackCrate } from './crate.mjs';
+import { ensureEnvironments } from './environments.mjs';
 import { packPackage } from './package.mjs';
 import { Failure, environment, main, root, run, say } from './run.mjs';
 import { serveSite } from './serve.mjs';
@@ -127,10 +128,12 @@ async function testInBrowser() {
 /** Tests of the package that measure time: nothing else runs beside them. */
 const MEASURED = ['cancel.test.mjs', 'crash.test.mjs', 'plain.test.mjs', 'samples.test.mjs'];
 
-/** The tarball as customers install it: in Node, in bundlers, in a browser. What measures time is the suite `times`. */
+/** The tarball as customers install it: in Node and other runtimes, in bundlers, test runners and frameworks, in a browser. What measures time is the suite `times`. */
 async function testPackage() {
   const tarball = await step('packing the package', packPackage);
-  return runNode('pkg-template/tests', installed(tarball), (name) => !MEASURED.includes(name));
+  const GEOSE_ENVIRONMENTS = await step('installing what customers run it in', environments);
+  const variables = { ...installed(tarball), GEOSE_ENVIRONMENTS };
+  return runNode('pkg-template/tests', variables, (name) => !MEASURED.includes(name));
 }
 
 /** How soon the package answers, and what else is in the same files. */
@@ -139,6 +142,16 @@ async function testTimes() {
   if (missing.length > 0) throw new Failure(`pkg-template/tests holds no ${missing.join(', ')}`);
   const tarball = await step('packing the package', packPackage);
   return runNode('pkg-template/tests', installed(tarball), (name) => MEASURED.includes(name), 1);
+}
+
+/** Where they are installed; the tests that need them fail where they could not be, and the others run. */
+function environments() {
+  try {
+    return ensureEnvironments();
+  } catch (failure) {
+    console.error(failure.message);
+    return '';
+  }
 }
 
 const installed = (tarball) => ({ GEOSE_TARBALL: tarball, CHROME: ensureChromium().browser });

@@ -20,7 +20,7 @@ export class Block {
     const length = Number(new DataView(bytes.buffer, bytes.byteOffset).getBigUint64(0, true));
     this.bytes = bytes;
     this.#start = 8 + length;
-    this.#header = JSON.parse(new TextDecoder().decode(bytes.subarray(8, this.#start))) as Header;
+    this.#header = JSON.parse(textOf(bytes.subarray(8, this.#start))) as Header;
   }
 
   /** The JSON text stored under `key`; the writer of the block vouches for its type. */
@@ -60,3 +60,7 @@ export class Block {
     return this.bytes.slice(this.#start + from, this.#start + to).buffer;
   }
 }
+
+/** UTF-8 as text. Written out, as test runners with a page of their own (Jest with jsdom) have no `TextDecoder`; a header has some thousand bytes. */
+const textOf = (bytes: Uint8Array): string =>
+  decodeURIComponent(Array.from(bytes, (byte) => `%${byte.toString(16).padStart(2, '0')}`).join(''));

@@ -1,7 +1,11 @@
+import { advice } from './advice.js';
+import { bytesOf } from './blob.js';
 import { GeoSeError } from './error.js';
+import { isNode } from './node.js';
 import type { CallOptions } from './options.js';
-import type { Call, CallName, CallOf, Calls, DeviceChoice, FromWorker } from './protocol.js';
+import type { Call, CallName, CallOf, Calls, DeviceChoice, FromWorker, Source } from './protocol.js';
 import type { Device } from './results.js';
+import { is } from './tag.js';
 import type { Spawn, Thread } from './thread.js';
 
 /** A call that has not been settled. */
@@ -95,8 +99,30 @@ export class WorkerHost {
     } catch (error) {
       return this.#end(unavailable(messageOf(error)));
     }
+    const unread = isNode ? unreadIn(job.call) : undefined;
+    if (unread) void this.#readFirst(job, unread);
+    else this.#post(job, this.#thread);
+  }
+
+  /** Reads a file on this side. Node's workers do not know every `Blob`: one of jsdom would arrive there as an empty object. */
+  async #readFirst(job: Job, source: Unread): Promise<void> {
+    const running = () => job === this.#jobs[0];
     try {
-      this.#thread.post({ type: 'call', id: job.id, call: job.call }, job.transfer);
+      const bytes = await bytesOf(source.file);
+      if (!running()) return;
+      Object.assign(source, { file: bytes });
+      job.transfer.push(bytes.buffer);
+      if (this.#thread) this.#post(job, this.#thread);
+    } catch (error) {
+      if (!running()) return;
+      this.#remove(job);
+      job.reject(error as GeoSeError);
+    }
+  }
+
+  #post(job: Job, thread: Thread): void {
+    try {
+      thread.post({ type: 'call', id: job.id, call: job.call }, job.transfer);
     } catch (error) {
       // Everything in a call can be cloned, so only memory can be short.
       this.#end(new GeoSeError('out-of-memory', `the call could not be handed to the worker: ${messageOf(error)}`));
@@ -172,6 +198,14 @@ export class WorkerHost {
   }
 }
 
+/** A file of which only a handle is there. */
+type Unread = Extract<Source, { from: 'file' }> & { file: Blob };
+
+function unreadIn(call: Call): Unread | undefined {
+  if (!('source' in call) || call.source.from !== 'file') return undefined;
+  return is<Blob>(call.source.file, 'Blob', 'File') ? (call.source as Unread) : undefined;
+}
+
 /** A listener that throws is its owner's problem, not the call's: the error is reported as uncaught and the listener left alone. */
 function tell(job: Job, { stage, fraction }: Extract<FromWorker, { type: 'progress' }>): void {
   try {
@@ -192,8 +226,4 @@ const cancelled = (signal: AbortSignal | undefined) => new GeoSeError('cancelled
 const crashed = (reason: string) => new GeoSeError('crashed', `the worker died: ${reason}`, { reason });
 
 const unavailable = (reason: string) =>
-  new GeoSeError(
-    'worker-unavailable',
-    `the worker could not be started: ${reason}. Is worker.js served beside the package's other files, or named in the option \`worker\`?`,
-    { reason },
-  );
+  new GeoSeError('worker-unavailable', `the worker could not be started: ${reason}. ${advice()}`, { reason });

@@ -1,8 +1,10 @@
 // What callers hand in: checked for its type and copied before the call returns. Whether it makes a shape is the matcher's to say.
 import { GeoSeError } from './error.js';
 import type { ArrayInput, BytesInput, CallOptions, MatcherOptions, ReadOptions, ShapeInput } from './options.js';
+import { plainCopy } from './plain.js';
 import type { Calls, Source } from './protocol.js';
 import type { Laplacian } from './results.js';
+import { is, isObject, tagOf } from './tag.js';
 
 /** A private copy of a scan. */
 export function sourceOf(input: ShapeInput, { name, format, pose, companions }: ReadOptions): Source {
@@ -71,7 +73,7 @@ export function optionsOf<T extends CallOptions>(options: T | undefined): { call
   const given = Object.entries(others).filter(([, value]) => value !== undefined && value !== null);
   let rest: Omit<T, keyof CallOptions>;
   try {
-    rest = structuredClone(Object.fromEntries(given)) as Omit<T, keyof CallOptions>;
+    rest = plainCopy(Object.fromEntries(given)) as Omit<T, keyof CallOptions>;
   } catch (cause) {
     throw new GeoSeError('invalid-argument', `the options must be plain data: ${given.map(([key]) => key).join(', ')}`, {}, { cause });
   }
@@ -172,11 +174,3 @@ function indices(what: 'faces' | 'labels', values: ArrayInput['faces' | 'labels'
 }
 
 const isIndex = (value: unknown): boolean => typeof value === 'number' && value >>> 0 === value;
-
-/** Neither a primitive nor null. */
-export const isObject = (value: unknown): value is object => typeof value === 'object' && value !== null;
-
-/** `'Float32Array'`, `'Blob'`, …: the type by name, so that objects of another realm (a frame, a test runner) count too. */
-const tagOf = (value: unknown): string => Object.prototype.toString.call(value).slice(8, -1);
-
-const is = <T>(value: unknown, ...tags: string[]): value is T => isObject(value) && tags.includes(tagOf(value));

@@ -1,7 +1,7 @@
 /// <reference lib="esnext.disposable" preserve="true" />
 import { disposable } from './disposable.js';
 import { WorkerHost } from './host.js';
-import { isObject, laplacianOf, nothingElse, optionsOf, sourceOf, weightsOf, wrong } from './input.js';
+import { laplacianOf, nothingElse, optionsOf, sourceOf, weightsOf, wrong } from './input.js';
 import type {
   LaplacianOptions,
   MatcherOptions,
@@ -14,6 +14,7 @@ import type {
 import { blockOf, PreparedShape, preparedFrom } from './prepared.js';
 import { buffersOf, type Prepared, type Source } from './protocol.js';
 import type { Device, Laplacian, Match, SolvedSpectrum, Stage } from './results.js';
+import { isObject } from './tag.js';
 import { spawner } from './thread.js';
 import { compile } from './wasm.js';
 

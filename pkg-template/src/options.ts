@@ -1,7 +1,8 @@
+import type { Address, BlobInput, CompiledModule, Fetched, Signal } from './ambient.js';
 import type { Axis, LaplacianKind, Stage } from './results.js';
 
 /** Where the wasm comes from: an address, a response, the bytes, or the compiled module itself. */
-export type WasmSource = string | URL | Response | Promise<Response> | ArrayBuffer | ArrayBufferView<ArrayBuffer> | WebAssembly.Module;
+export type WasmSource = string | Address | Fetched | Promise<Fetched> | ArrayBuffer | ArrayBufferView<ArrayBuffer> | CompiledModule;
 
 /** The content of a file. */
 export type BytesInput = Uint8Array | ArrayBuffer;
@@ -21,7 +22,7 @@ export interface MatcherOptions {
   /** Instead of `geose_fmap_bg.wasm` beside the package's own files. */
   wasm?: WasmSource | undefined;
   /** Address of the package's `worker.js`, for a CDN or a bundler that does not find it. Another origin is reached through a blob. */
-  worker?: string | URL | undefined;
+  worker?: string | Address | undefined;
 }
 
 /** How far a call has come. */
@@ -34,13 +35,13 @@ export interface Progress {
 /** What every long call understands. */
 export interface CallOptions {
   /** Aborting it ends the call within 300 ms with a `GeoSeError` of code `'cancelled'`. */
-  signal?: AbortSignal | undefined;
+  signal?: Signal | undefined;
   /** Hears of progress, at most about 30 times a second and stage. If it throws, the error is reported as uncaught and the call goes on without it. */
   onProgress?: ((progress: Progress) => void) | undefined;
 }
 
 /** A scan as a file: the bytes, or a `Blob` or `File`, whose name is then used. */
-export type FileInput = Uint8Array | ArrayBuffer | Blob;
+export type FileInput = Uint8Array | ArrayBuffer | BlobInput;
 
 /** A scan as arrays. */
 export interface ArrayInput {

@@ -1,4 +1,6 @@
 import { isNode, workerThreads } from './node.js';
+import { foreignOrigin, isElsewhere } from './origin.js';
+import type { Address } from './ambient.js';
 import type { FromWorker, ToWorker } from './protocol.js';
 
 /** A worker of a browser or of Node. */
@@ -21,28 +23,37 @@ export interface ThreadListener {
 export type Spawn = (listener: ThreadListener) => Thread;
 
 /** Prepares to start threads that run `worker.js`, or the file at `address` instead. */
-export async function spawner(address: string | URL | undefined): Promise<Spawn> {
+export async function spawner(address: string | Address | undefined): Promise<Spawn> {
   if (!isNode) return (listener) => browserThread(browserWorker(address), listener);
   const { Worker: NodeWorker } = await workerThreads();
   return (listener) => nodeThread(new NodeWorker(nodeFile(address), { execArgv: [] }), listener);
 }
 
-function browserWorker(address: string | URL | undefined): Worker {
-  // Bundlers recognise this very expression.
-  if (address === undefined) return new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
+function browserWorker(address: string | Address | undefined): Worker {
+  if (address === undefined) {
+    if (foreignOrigin()) return foreignWorker(new URL(WORKER, import.meta.url));
+    // Bundlers recognise this very expression.
+    return new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
+  }
   const url = new URL(address, location.href);
-  if (url.origin === location.origin) return new Worker(url, { type: 'module' });
-  // A worker's own file must share the page's origin; what it imports need not.
+  return isElsewhere(url) ? foreignWorker(url) : new Worker(url, { type: 'module' });
+}
+
+/** A worker's own file must share the page's origin; what it imports need not. */
+function foreignWorker(url: URL): Worker {
   const stub = URL.createObjectURL(new Blob([`import ${JSON.stringify(url.href)};`], { type: 'text/javascript' }));
   const worker = new Worker(stub, { type: 'module' });
   worker.addEventListener('message', () => URL.revokeObjectURL(stub), { once: true });
   return worker;
 }
 
-function nodeFile(address: string | URL | undefined): string | URL {
-  // Hidden from bundlers, which would carry along a second worker.js for browsers.
-  if (address === undefined) return new URL(/* @vite-ignore */ /* webpackIgnore: true */ './worker.js', import.meta.url);
-  return typeof address === 'string' && address.startsWith('file:') ? new URL(address) : address;
+/** A name that bundlers cannot follow: they would carry the file along a second time. */
+const WORKER = ['.', 'worker.js'].join('/');
+
+function nodeFile(address: string | Address | undefined): string | URL {
+  if (address === undefined) return new URL(WORKER, import.meta.url);
+  const text = String(address);
+  return text.startsWith('file:') ? new URL(text) : text;
 }
 
 function browserThread(worker: Worker, listener: ThreadListener): Thread {

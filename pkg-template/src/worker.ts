@@ -1,6 +1,8 @@
 // Runs in a worker of a browser or of Node: holds one wasm instance with its device and answers one call at a time.
+import { bytesOf } from './blob.js';
+import { GeoSeError } from './error.js';
 import * as raw from './geose_fmap.js';
-import { workerThreads } from './node.js';
+import { isNode, workerThreads } from './node.js';
 import { buffersOf, type Answer, type Call, type DeviceChoice, type FromWorker, type Source, type ToWorker } from './protocol.js';
 import type { Stage } from './results.js';
 
@@ -14,7 +16,7 @@ const PROGRESS_INTERVAL = 33;
 const LARGEST_ARRAY = 2 ** 31 - 1;
 
 // A browser's worker must listen before its script has run; Node keeps messages until somebody listens.
-if ('DedicatedWorkerGlobalScope' in globalThis) {
+if (!isNode) {
   const post: Post = (message, transfer = []) => postMessage(message, { transfer });
   addEventListener('message', (event: MessageEvent<ToWorker>) => void hear(event.data, post));
   // A trap while a GPU is waited for rejects nothing.
@@ -106,15 +108,6 @@ async function read(source: Source): Promise<raw.RawShape> {
 
 const sizeOf = (file: Uint8Array | Blob): number => (file instanceof Blob ? file.size : file.byteLength);
 
-async function bytesOf(file: Blob): Promise<Uint8Array> {
-  try {
-    return new Uint8Array(await file.arrayBuffer());
-  } catch (error) {
-    const message = `the file could not be read: ${error instanceof Error ? error.message : String(error)}`;
-    throw { code: 'unreadable-file', message, details: { size: file.size } };
-  }
-}
-
 /** Every new stage and every finished one is told; in between, no more than a person can see. */
 function progressOf(id: number, post: Post): Progress {
   let last: Stage | undefined;
@@ -129,6 +122,7 @@ function progressOf(id: number, post: Post): Progress {
 }
 
 function isTyped(error: unknown): error is Extract<FromWorker, { type: 'failed' }>['error'] {
+  if (error instanceof GeoSeError) return true;
   return typeof error === 'object' && error !== null && !(error instanceof Error) && 'code' in error && typeof error.code === 'string';
 }
 

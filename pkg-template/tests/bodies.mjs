@@ -90,9 +90,11 @@ export function lump({ frequency = 8, bend = 0 } = {}) {
 }
 
 /** The bytes of an OFF file. */
-export function off({ positions, faces }) {
+export const off = (body) => new TextEncoder().encode(offText(body));
+
+/** The text of an OFF file. */
+export function offText({ positions, faces }) {
   const lines = (array, start) =>
     Array.from({ length: array.length / 3 }, (_, i) => `${start}${array[3 * i]} ${array[3 * i + 1]} ${array[3 * i + 2]}\n`).join('');
-  const text = `OFF\n${positions.length / 3} ${faces.length / 3} 0\n${lines(positions, '')}${lines(faces, '3 ')}`;
-  return new TextEncoder().encode(text);
+  return `OFF\n${positions.length / 3} ${faces.length / 3} 0\n${lines(positions, '')}${lines(faces, '3 ')}`;
 }

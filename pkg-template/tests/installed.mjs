@@ -5,11 +5,11 @@ import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-/** Makes the project; `files` maps further file names to their text. Whoever calls it removes it. */
-export function project(files = {}) {
+/** Makes the project in a folder of `parent`; `files` maps further file names to their text. Whoever calls it removes it. */
+export function project(files = {}, parent = tmpdir()) {
   const tarball = process.env.GEOSE_TARBALL;
   if (!tarball) throw new Error('GEOSE_TARBALL must name the packed tarball: `npm run pack` makes it');
-  const folder = mkdtempSync(path.join(tmpdir(), 'geose-fmap-'));
+  const folder = mkdtempSync(path.join(parent, 'geose-fmap-'));
   const installed = path.join(folder, 'node_modules', 'geose-fmap');
   mkdirSync(installed, { recursive: true });
   execFileSync('tar', ['-xzf', path.resolve(tarball), '-C', installed, '--strip-components=1']);

@@ -1,8 +1,7 @@
-import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import { createRequire } from 'node:module';
-import { after, describe, test } from 'node:test';
 import path from 'node:path';
+import { after, describe } from 'node:test';
+import { inEnvironment, installedFile, ran } from './environment.mjs';
 import { project } from './installed.mjs';
 
 const tsc = path.join(path.dirname(createRequire(import.meta.url).resolve('typescript/package.json')), 'bin', 'tsc');
@@ -43,27 +42,58 @@ const PROGRAM = `
   }
 `;
 
-describe('the types of the package', () => {
-  const { folder, remove } = project({ 'program.ts': PROGRAM });
+/** The same for a project that has the bare language: no page, no Node, and yet every call. */
+const BARE = `
+  import { Matcher, type FileInput, type Match, type MatcherOptions } from 'geose-fmap';
+
+  interface Controller { abort(): void; readonly signal: { readonly aborted: boolean; addEventListener(type: 'abort', listener: () => void): void } }
+
+  export async function use(file: FileInput, bytes: Uint8Array, { signal }: Controller, options: MatcherOptions): Promise<Match> {
+    using matcher = await Matcher.create({ ...options, wasm: 'geose_fmap_bg.wasm', worker: 'worker.js' });
+    const a = await matcher.prepare(file, { signal });
+    const b = await matcher.prepare(bytes);
+    return matcher.match(a, b, { signal });
+  }
+
+  export async function misuse(matcher: Matcher): Promise<void> {
+    // @ts-expect-error not a signal
+    await matcher.prepare(new Uint8Array(), { signal: {} });
+    // @ts-expect-error not a scan
+    await matcher.prepare(7);
+    // @ts-expect-error not an address
+    await Matcher.create({ worker: 7 });
+  }
+`;
+
+const STRICT = '--strict --exactOptionalPropertyTypes --noUncheckedIndexedAccess --skipLibCheck false --noEmit --target es2022'.split(' ');
+const NODENEXT = ['--module', 'nodenext'];
+const BUNDLER = ['--module', 'esnext', '--moduleResolution', 'bundler'];
+
+describe('the types of the package, strictly and without skipping declarations', () => {
+  const { folder, remove } = project({ 'program.ts': PROGRAM, 'bare.ts': BARE });
   after(remove);
 
-  for (const [what, flags] of Object.entries({
-    'a bundler': ['--module', 'esnext', '--moduleResolution', 'bundler', '--lib', 'es2022,dom,esnext.disposable'],
-    Node: ['--module', 'nodenext', '--lib', 'es2022,dom,esnext.disposable'],
-  })) {
-    test(`check for ${what}, strictly and without skipping declarations`, () => {
-      const strict = [
-        '--strict',
-        '--exactOptionalPropertyTypes',
-        '--noUncheckedIndexedAccess',
-        '--noEmit',
-        '--target',
-        'es2022',
-        '--types',
-        '',
-      ];
-      const { status, stdout } = spawnSync(process.execPath, [tsc, ...strict, ...flags, 'program.ts'], { cwd: folder, encoding: 'utf8' });
-      assert.equal(status, 0, stdout);
-    });
+  /** What the compiler of this workspace and the oldest that will do complain of, for Node and for bundlers. */
+  async function complaints(file, lib) {
+    const told = [];
+    for (const compiler of [tsc, installedFile('typescript', 'bin', 'tsc')]) {
+      for (const flags of [NODENEXT, BUNDLER]) {
+        const args = [compiler, ...STRICT, ...flags, '--lib', lib, '--typeRoots', 'none', file];
+        const { status, stdout } = await ran(process.execPath, args, { cwd: folder });
+        if (status !== 0) told.push(stdout);
+      }
+    }
+    return told.length > 0 ? { error: told.join('\n') } : { outcome: 'no complaint' };
   }
+
+  inEnvironment(
+    'TypeScript',
+    () => complaints('program.ts', 'es2022,dom,esnext.disposable'),
+    () => 'no complaint',
+  );
+  inEnvironment(
+    'TypeScript without the DOM library',
+    () => complaints('bare.ts', 'es2022'),
+    () => 'no complaint',
+  );
 });
