@@ -4,6 +4,8 @@
 //! clouds the mean certainty of parts is 0.973 to 0.976; with a floor plate of 0.7 m it is 0.84 to 0.94, with a floor of 2 m 0.61 to 0.65, with a wall behind 0.68 to
 //! 0.76, with a box 0.71 to 0.89, with another person or a child beside 0.72 to 0.93.
 
+use ndarray::Axis;
+
 use super::geometry::Carriers;
 use super::prepare::{ask, prepare_with_carriers};
 use super::surface::used_as;
@@ -78,10 +80,16 @@ pub(super) async fn body_of<D: Device>(
     Ok(best)
 }
 
+/// Of things alone the body is not one that lacks parts: the coverage of its parts is not less than that of all things together by more than this.
+const LACKS: f64 = 0.1;
+
 /// Whether a network is more certain of one view of a scan than of another; where none is at home with either, whether what the one is without is a floor.
 fn is_better(one: &PreparedShape, other: &PreparedShape, without: &Proposal) -> bool {
     match (margin(one), margin(other)) {
-        (Some(one), Some(other)) if one >= 0.0 => one > other + MORE_CERTAIN,
+        (Some(certain), Some(less)) if certain >= 0.0 => {
+            let whole = without.what != LeftOut::OtherThings || coverage(one) >= coverage(other) - LACKS;
+            certain > less + MORE_CERTAIN && whole
+        }
         (_, Some(other)) if other >= 0.0 => false,
         _ => without.what == LeftOut::Floor && without.share >= FLOOR,
     }
@@ -92,6 +100,19 @@ fn margin(shape: &PreparedShape) -> Option<f64> {
     let embedding = shape.embeddings.first().filter(|embedding| embedding.category.knows_others())?;
     let share = 1.0 / embedding.parts.nrows().max(1) as f64;
     Some(embedding.certainty(std::iter::repeat(share)) - embedding.category.thresholds.certainty)
+}
+
+/// How much of the area that its category expects of each part a shape has: 1 for a whole body, less for one that lacks parts or has too much of some.
+fn coverage(shape: &PreparedShape) -> f64 {
+    let Some(embedding) = shape.embeddings.first() else { return 0.0 };
+    let (parts, points) = (&embedding.category.parts, embedding.parts.nrows().max(1) as f64);
+    let found = embedding.parts.sum_axis(Axis(0));
+    let (mut covered, mut expected) = (0.0, 0.0);
+    for (part, &found) in parts.iter().zip(&found) {
+        covered += part.area.min(f64::from(found) / points);
+        expected += part.area;
+    }
+    if expected > 0.0 { covered / expected } else { 1.0 }
 }
 
 /// Both, ascending.

@@ -14,6 +14,7 @@ mod options;
 mod prepare;
 mod prepared;
 mod processor;
+mod reliability;
 mod surface;
 mod thinned;
 mod warnings;

@@ -8,6 +8,7 @@ use ndarray::{Array2, s};
 use super::body::{Scan, body_of};
 use super::contact::edges_between_limbs;
 use super::geometry::{Carriers, Geometry};
+use super::reliability::reliability;
 use super::surface::Surface;
 use super::{Error, Info, PrepareOptions, PreparedShape, ShapeKind};
 use crate::device::{Cpu, Device, Interrupted, still_well};
@@ -237,6 +238,8 @@ pub(crate) fn prepare_with_carriers(
     let geometry = Geometry::of(&carriers, kind, None, (&support, &coarse), [options.eigenpairs, wanted], progress)?;
     let Geometry { laplacian, basis, report, features, surface } = geometry;
     repairs.extend(not_proved(&report, &basis));
+    let (reliability, doubt) = reliability(&used, &carriers, &laplacian.mass);
+    repairs.extend(doubt);
 
     let info = Info {
         kind: if used_shape.faces().is_empty() { ShapeKind::Cloud } else { ShapeKind::Mesh },
@@ -248,6 +251,7 @@ pub(crate) fn prepare_with_carriers(
         unit: None,
         up_axis: options.up.or(as_read.up()).or_else(|| longest_axis(&used)),
         scale: operators::surface_area(&carriers.shape, &laplacian, &carriers.neighbourhood).sqrt(),
+        reliability,
         laplacian: kind,
         eigenpairs: basis.k().min(options.eigenpairs),
         residual: report.residual,

@@ -38,6 +38,8 @@ pub struct Info {
     pub up_axis: Option<shape::Axis>,
     /// Root of the surface area (a cloud's is estimated) in the unit of the upload: lengths are divided by it.
     pub scale: f64,
+    /// How far the scan can be relied on: confidence is multiplied by it. 1 unless coordinates are too coarse or part of the surface has hardly a point.
+    pub reliability: f64,
     /// The Laplacian in use.
     pub laplacian: LaplacianKind,
     /// Eigenpairs in the basis.

@@ -14,6 +14,7 @@ mod shells;
 mod simplify;
 mod spikes;
 mod spread;
+mod steps;
 mod strays;
 mod support;
 mod weld;
@@ -33,6 +34,7 @@ pub use shells::{Shells, shells};
 pub use simplify::{Simplified, draw_together};
 pub use simplify::{THIN_LIMIT, cells, simplify};
 pub use spikes::without_spikes;
+pub use steps::coarse_steps;
 pub use strays::{Strays, set_strays_aside};
 pub use support::{MESH_LIMIT, Support, support};
 
@@ -113,6 +115,7 @@ impl Shape {
             return Err(ShapeError::TooFewPoints { found, needed: MIN_POINTS });
         }
         repairs.extend(spread::check(&points)?);
+        repairs.extend(steps::notice(&points));
         let first = first_at_place(&points);
         let soup = faces::share_no_corner(&faces, points.len());
         faces::drop_degenerate(&points, &first, &mut faces, &mut repairs);

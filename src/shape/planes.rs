@@ -24,6 +24,8 @@ pub struct Patch {
     pub offset: f64,
     /// Points on it, ascending.
     pub points: Vec<u32>,
+    /// Root of the mean squared distance of these from the plane.
+    pub roughness: f64,
 }
 
 impl Patch {
@@ -67,7 +69,9 @@ pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) 
         // What was looked at is not looked at again.
         on.iter().for_each(|&i| free[i as usize] = false);
         if patch.len() as f64 >= LEAST * n as f64 {
-            patches.push(Patch { normal, offset, points: patch });
+            let squares = patch.iter().map(|&i| (dot(normal, points[i as usize]) - offset).powi(2));
+            let roughness = (squares.sum::<f64>() / patch.len() as f64).sqrt();
+            patches.push(Patch { normal, offset, points: patch, roughness });
         }
     }
     patches.sort_by_key(|patch| std::cmp::Reverse(patch.points.len()));

@@ -21,6 +21,8 @@ const TOGETHER: f64 = 1.4;
 const ONE_SIDE: f64 = 0.95;
 /// What lies on a plane that is no floor or wall has another side that is flat, too: all patches together have at least this share.
 const FURNITURE: f64 = 0.08;
+/// Furniture is flat to this part of the spacing; the part of a back that fits between two planes fills the space between them, and is rougher.
+const CRISP: f64 = 0.15;
 /// Points this near to a patch and to its plane go with it, in the spacing: edges, where no normal tells.
 const BESIDE: f64 = 1.6;
 /// A piece of a mesh of which more than this share goes, goes as a whole; one of which less than the rest goes, stays.
@@ -107,17 +109,19 @@ impl Scene {
 
     /// Proposals to leave out flat patches.
     fn without_planes(&self) -> Vec<Proposal> {
-        let patches = flat_patches(&self.places, &self.neighbours, self.spacing);
+        let mut patches = flat_patches(&self.places, &self.neighbours, self.spacing);
         let mut found = Vec::new();
         let floor = patches.iter().find_map(|patch| Some((patch, self.side_of_the_rest(patch)?)));
+        let floors = usize::from(floor.is_some());
         if let Some((patch, side)) = floor {
             let gone = self.beside(std::slice::from_ref(patch));
             let beyond = |i: usize| side * patch.height(self.places[i]) < self.spacing * 0.5;
             let gone: Vec<bool> = gone.iter().enumerate().map(|(i, &gone)| gone || beyond(i) && self.near(patch, i)).collect();
             found.extend(self.proposal(LeftOut::Floor, &gone));
         }
+        patches.retain(|patch| patch.roughness <= CRISP * self.spacing);
         let share = patches.iter().map(|patch| patch.points.len()).sum::<usize>() as f64 / self.places.len() as f64;
-        if share >= FURNITURE && (floor.is_none() || patches.len() > 1) {
+        if share >= FURNITURE && patches.len() > floors {
             let mut gone = self.beside(&patches);
             // Legs and rims that hang on nothing any more go, too.
             let (things, largest) = self.things(&gone);

@@ -1,0 +1,105 @@
+//! How coarsely coordinates are written: single precision far from the origin, or too few digits, leave steps that the surface drowns in.
+
+use super::repair::Repair;
+
+/// Steps up to this part of the spacing of the points do no harm.
+const HARMLESS: f64 = 0.1;
+/// A grid of points has steps as wide as its spacing along two axes, and loses nothing by it. Wider ones are no grid's.
+const WIDER_THAN_A_GRID: f64 = 1.5;
+/// Points looked at, evenly taken from all: fewer of them show a step as well.
+const LOOKED_AT: usize = 20_000;
+
+/// The step between coordinates over the spacing of the points, where it is so wide that it costs the scan its shape.
+pub fn coarse_steps(points: &[[f64; 3]]) -> Option<(f64, f64)> {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in points {
+        for c in 0..3 {
+            (low[c], high[c]) = (low[c].min(p[c]), high[c].max(p[c]));
+        }
+    }
+    let side: [f64; 3] = std::array::from_fn(|c| high[c] - low[c]);
+    // A body fills some three quarters of the sides of its box, seen from three directions.
+    let area = 0.75 * (side[0] * side[1] + side[1] * side[2] + side[2] * side[0]);
+    let spacing = (area / points.len() as f64).sqrt();
+    let single = points.iter().flatten().all(|&x| f64::from(x as f32) == x);
+    let steps: [f64; 3] = std::array::from_fn(|c| step(points, c));
+    let coarse: Vec<f64> = steps.into_iter().filter(|&step| step > HARMLESS * spacing).collect();
+    let widest = coarse.iter().copied().fold(0.0, f64::max);
+    // The step of single precision at the far end of an axis.
+    let of_precision = (0..3).any(|c| {
+        let reach = (low[c].abs().max(high[c].abs())) as f32;
+        let ulp = f64::from(f32::from_bits(reach.to_bits() + 1)) - f64::from(reach);
+        single && steps[c] > HARMLESS * spacing && steps[c] <= 2.0 * ulp
+    });
+    (coarse.len() == 3 || widest > WIDER_THAN_A_GRID * spacing || of_precision).then_some((widest, spacing))
+}
+
+/// The narrowest gap between different coordinates along an axis.
+fn step(points: &[[f64; 3]], axis: usize) -> f64 {
+    let mut along: Vec<f64> = points.iter().step_by(points.len().div_ceil(LOOKED_AT)).map(|p| p[axis]).collect();
+    along.sort_unstable_by(f64::total_cmp);
+    along.dedup();
+    // Coordinates that were written with digits differ by rounding where they are the same.
+    let reach = along.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let gaps = along.windows(2).map(|pair| pair[1] - pair[0]).filter(|&gap| gap > 8.0 * f64::EPSILON * reach);
+    let narrowest = gaps.fold(f64::INFINITY, f64::min);
+    // On a plane there is no gap, and nothing lost.
+    if narrowest.is_finite() { narrowest } else { 0.0 }
+}
+
+/// Says so.
+pub(super) fn notice(points: &[[f64; 3]]) -> Option<Repair> {
+    let (step, spacing) = coarse_steps(points)?;
+    let message = format!(
+        "coordinates come in steps of {step:.2e} while points lie some {spacing:.2e} apart: rounding has cost the scan its shape; move it to the origin, or \
+         write more digits, before saving it"
+    );
+    Some(Repair::noted("coarse-numbers", 1, message))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::coarse_steps;
+
+    /// A sphere of 2000 points, one across.
+    fn sphere() -> Vec<[f64; 3]> {
+        let place = |i: u32| {
+            let (z, turn) = (1.0 - f64::from(2 * i + 1) / 2000.0, f64::from(i) * 2.399963);
+            [(1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z].map(|x| 0.5 * x)
+        };
+        (0..2000).map(place).collect()
+    }
+
+    fn moved(by: [f64; 3], rounded: impl Fn(f64) -> f64) -> Vec<[f64; 3]> {
+        sphere().iter().map(|p| std::array::from_fn(|c| rounded(p[c] + by[c]))).collect()
+    }
+
+    #[test]
+    fn steps_of_single_precision_and_of_few_digits_are_seen_wherever_the_origin_lies() {
+        let single = |x: f64| f64::from(x as f32);
+        let far = [4e5, 5e6, 0.0];
+        for (cloud, coarse) in [
+            (sphere(), false),
+            (moved([0.0; 3], single), false),
+            (moved([1000.0, 0.0, 0.0], single), false),
+            (moved([4e5, 0.0, 0.0], single), true),
+            (moved(far, single), true),
+            (moved(far, |x| x), false),
+            (moved(far, |x| (x * 1000.0).round() / 1000.0), false),
+            (moved(far, |x| (x * 10.0).round() / 10.0), true),
+            (moved([0.0; 3], |x| (x * 50.0).round() / 50.0), true),
+        ] {
+            assert_eq!(coarse_steps(&cloud).is_some(), coarse, "{:?}", cloud[0]);
+        }
+    }
+
+    #[test]
+    fn a_height_map_on_a_regular_grid_has_lost_nothing() {
+        let grid = (0..2500).map(|i| {
+            let (x, y) = (f64::from(i % 50), f64::from(i / 50));
+            [x, y, (0.1 * x).sin() * (0.13 * y).cos() * 5.0]
+        });
+        assert_eq!(coarse_steps(&grid.collect::<Vec<_>>()), None);
+    }
+}
