@@ -10,6 +10,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use geose_fmap::train::bodies::BodyModel;
+use geose_fmap::train::bodies::avatars::write_avatars;
 use geose_fmap::train::bodies::held_out::{HELD_OUT_SEEDS, HeldOut, write_set};
 use geose_fmap::train::bodies::samples::{SampleError, write_samples};
 use geose_fmap::train::bodies::sheet::write_sheet;
@@ -65,6 +66,21 @@ enum Command {
         #[arg(long, default_value_t = 5000)]
         points: usize,
     },
+    /// Writes people dressed in shells, as game avatars are, beside bare ones, in the layout that `geose-fmap evaluate` reads.
+    Avatars {
+        /// As above.
+        #[arg(long)]
+        data: PathBuf,
+        /// The set's folder; made if missing.
+        #[arg(long)]
+        out: PathBuf,
+        /// Avatars; half as many bare bodies come with them.
+        #[arg(long, default_value_t = 12)]
+        count: usize,
+        /// Seed of the first body.
+        #[arg(long, default_value_t = 900_000, value_parser = clap::value_parser!(u64).range(HELD_OUT_SEEDS..))]
+        seed: u64,
+    },
 }
 
 fn main() -> ExitCode {
@@ -87,5 +103,6 @@ fn run(command: Command) -> Result<Vec<String>, SampleError> {
         Command::Set { data, out, count, seed, points } => {
             write_set(&BodyModel::load(&data)?, &out, &HeldOut { count, seed, points })
         }
+        Command::Avatars { data, out, count, seed } => write_avatars(&BodyModel::load(&data)?, &out, count, seed),
     }
 }

@@ -8,12 +8,15 @@
 //! ```
 
 pub mod anchors;
+pub mod avatar;
+pub mod avatars;
 pub mod bvh;
 pub mod chance;
 pub mod cloud;
 pub mod data;
 pub mod held_out;
 pub mod joints;
+pub mod layout;
 pub mod manifold;
 pub mod parts;
 pub mod people;
@@ -28,11 +31,15 @@ pub mod samples;
 pub mod scan;
 pub mod shape_mixture;
 pub mod sheet;
+pub mod shell;
 pub mod simplify;
 pub mod skeleton;
 pub mod skinning;
+pub mod skirt;
 pub mod surface;
 pub mod touch;
+pub mod trinkets;
+pub mod wardrobe;
 pub mod write;
 
 use std::path::Path;
