@@ -92,7 +92,7 @@ impl Wearer<'_> {
         let mut worn = Vec::new();
         let mut height = uniform(rng, 0.005..0.01);
         let (waist, ankle) = (uniform(rng, 0.05..0.3), *pick(rng, &[0.35, 0.6, 1.2, 1.75, 1.9]));
-        let in_skirt = hanging && happens(rng, 0.35);
+        let in_skirt = hanging && happens(rng, 0.6);
         let legs = if in_skirt { 0.2 } else { ankle };
         let trousers = self.measures.choose(labels, |part, along, _| match part {
             "torso" => along < waist,
