@@ -27,6 +27,8 @@ pub struct Avatar {
     pub triangles: Vec<[u32; 3]>,
     /// The vertex of the skin below each point.
     pub below: Vec<u32>,
+    /// The skin that was dressed, in metres.
+    pub skin: Vec<DVec3>,
     /// For each vertex of the skin the point that is seen above it; `None` where it is hidden between the legs under a skirt.
     pub seen: Vec<Option<u32>>,
     /// Name, points and promise of a border of each shell, in the order in which their points follow.
@@ -75,7 +77,7 @@ impl BodyModel {
                 }
             }
         }
-        Ok(Avatar::of(shells, skin.len(), &self.skin.triangles))
+        Ok(Avatar::of(shells, skin, &self.skin.triangles))
     }
 }
 
@@ -92,7 +94,7 @@ impl Wearer<'_> {
         let mut worn = Vec::new();
         let mut height = uniform(rng, 0.005..0.01);
         let (waist, ankle) = (uniform(rng, 0.05..0.3), *pick(rng, &[0.35, 0.6, 1.2, 1.75, 1.9]));
-        let in_skirt = hanging && happens(rng, 0.6);
+        let in_skirt = hanging && happens(rng, 0.7);
         let legs = if in_skirt { 0.2 } else { ankle };
         let trousers = self.measures.choose(labels, |part, along, _| match part {
             "torso" => along < waist,
@@ -275,9 +277,15 @@ fn erode(hidden: &mut [bool], triangles: &[[u32; 3]], skin: &[DVec3], margin: f6
 
 impl Avatar {
     /// Puts shells together and finds what is outermost over each vertex of the skin.
-    fn of(shells: Vec<Shell>, vertices: usize, triangles: &[[u32; 3]]) -> Self {
-        let mut avatar =
-            Self { points: Vec::new(), triangles: Vec::new(), below: Vec::new(), seen: Vec::new(), shells: Vec::new() };
+    fn of(shells: Vec<Shell>, skin: &[DVec3], triangles: &[[u32; 3]]) -> Self {
+        let mut avatar = Self {
+            points: Vec::new(),
+            triangles: Vec::new(),
+            below: Vec::new(),
+            skin: skin.to_vec(),
+            seen: Vec::new(),
+            shells: Vec::new(),
+        };
         let mut outermost: BTreeMap<u32, (f64, Option<u32>)> = BTreeMap::new();
         for shell in shells {
             let first = avatar.points.len() as u32;
@@ -293,7 +301,7 @@ impl Avatar {
             avatar.triangles.extend(shell.triangles.iter().map(|t| t.map(|v| v + first)));
         }
         let mut seen: Vec<Option<Option<u32>>> =
-            (0..vertices as u32).map(|v| outermost.get(&v).map(|(_, point)| *point)).collect();
+            (0..skin.len() as u32).map(|v| outermost.get(&v).map(|(_, point)| *point)).collect();
         // Where a gap leaves a vertex bare, what is over its neighbour.
         while seen.contains(&None) {
             let before = seen.clone();
@@ -311,11 +319,6 @@ impl Avatar {
         }
         avatar.seen = seen.into_iter().map(Option::flatten).collect();
         avatar
-    }
-
-    /// How far above the floor the lowest point lies.
-    pub fn lowest(&self) -> f64 {
-        self.points.iter().map(|p| p.y).fold(f64::INFINITY, f64::min)
     }
 }
 

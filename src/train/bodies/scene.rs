@@ -70,19 +70,23 @@ impl BodyModel {
     pub fn scene(&self, template: &Template, code: &str, seed: u64) -> Result<Scene, DataError> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let rng = &mut rng;
-        let skin = if code == "seat" { self.sitting(template, rng)? } else { self.some_body(template, rng)?.1 };
+        let skin = match code {
+            "seat" => self.sitting(template, rng)?,
+            "floor-plate" | "floor-fused" | "turntable" => self.gentle_body(template, rng)?.1,
+            _ => self.some_body(template, rng)?.1,
+        };
         let clean = self.bare(&skin, POINTS, rng);
         let mut scene = Scene { mesh: None, cloud: None, rows: None, clean };
         let spacing = uniform(rng, 0.02..0.04);
         let thing = match code {
-            "floor-plate" | "floor-fused" => Some(Thing::plate(feet(&skin), 0.7, spacing)),
-            "floor-2m" => Some(Thing::plate(feet(&skin), 2.0, spacing)),
+            "floor-plate" | "floor-fused" => Some(Thing::plate(feet(self, &skin), 0.7, spacing)),
+            "floor-2m" => Some(Thing::plate(feet(self, &skin), 2.0, spacing)),
             "wall" => Some(wall(&skin, 0.05, spacing)),
             "seat" => {
                 let size = DVec3::new(uniform(rng, 0.4..0.5), uniform(rng, 0.4..0.5), uniform(rng, 0.4..0.5));
                 seat(self, &skin).map(|top| Thing::block(top, DVec3::new(size.x, size.y.min(top.y), size.z), spacing))
             }
-            "turntable" => Some(Thing::disc(feet(&skin), uniform(rng, 0.4..0.55), 0.04, spacing)),
+            "turntable" => Some(Thing::disc(feet(self, &skin), uniform(rng, 0.4..0.55), 0.04, spacing)),
             "beside" | "beside-small" => {
                 let scale = if code == "beside" { 1.0 } else { uniform(rng, 0.45..0.65) };
                 Some(self.neighbour(template, &skin, scale, rng)?)
@@ -207,10 +211,10 @@ impl BodyModel {
     }
 }
 
-/// The middle of what stands on the floor.
-fn feet(skin: &[DVec3]) -> DVec3 {
-    let low = skin.iter().filter(|p| p.y < 0.05);
-    let (sum, count) = low.fold((DVec3::ZERO, 0.0), |(sum, count), p| (sum + *p, count + 1.0));
+/// The middle of the feet, on the floor.
+fn feet(model: &BodyModel, skin: &[DVec3]) -> DVec3 {
+    let low = skin.iter().zip(&model.labels).filter(|(p, label)| p.y < 0.3 && [12, 13].contains(*label));
+    let (sum, count) = low.fold((DVec3::ZERO, 0.0), |(sum, count), (p, _)| (sum + *p, count + 1.0));
     let middle = sum / f64::max(count, 1.0);
     DVec3::new(middle.x, 0.0, middle.z)
 }
@@ -258,13 +262,13 @@ fn fused(body: &Labelled, thing: &Thing) -> Labelled {
     all
 }
 
-/// One in a hundred vertices far out, 5 to 60 cm: they are no points of the body any more.
+/// One in a hundred vertices far out, 2 to 40 cm: they are no points of the body any more.
 fn spiked(body: &Labelled, rng: &mut ChaCha8Rng) -> Labelled {
     let mut all = body.clone();
     let outwards = normals(&body.points, &body.triangles);
     for (v, n) in outwards.into_iter().enumerate() {
         if happens(rng, 0.01) {
-            all.points[v] += uniform(rng, 0.05..0.6) * (n + 0.2 * normal_vector(rng)).normalize_or(DVec3::X);
+            all.points[v] += uniform(rng, 0.02..0.4) * (n + 0.2 * normal_vector(rng)).normalize_or(DVec3::X);
             all.labels[v] = THING;
         }
     }

@@ -76,8 +76,8 @@ impl Measures {
         self.choose(labels, |part, along, v| {
             let p = (self.rest[v] - centre) / size;
             match part {
-                "head" => 0.8 * p.y - 0.9 * p.z > 0.22 && (p.y > -0.25 || long > 0.0 && p.z < -0.1),
-                "torso" => along > 1.0 - long && p.z < -0.15 && self.rest[v].x.abs() < 0.14,
+                "head" => 0.8 * p.y - 0.9 * p.z > 0.12 && p.y > -0.35 || long > 0.0 && p.y < 0.1 && p.z < -0.08,
+                "torso" => along > 1.0 - long && p.z < -0.15 && self.rest[v].x.abs() < 0.1,
                 _ => false,
             }
         })
