@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 
+use super::BodyModel;
 use super::chance::{happens, pick, uniform};
 use super::data::DataError;
 use super::scan::normals;
@@ -13,10 +14,11 @@ use super::shell::{Cover, Cut, Shell};
 use super::skirt::skirt;
 use super::trinkets::{ball, frame};
 use super::wardrobe::{Garment, Measures};
-use super::{BodyModel, METRES};
 
 /// Hidden skin that stays beside the hem of what hides it: metres.
 const UNDER_HEM: f64 = 0.025;
+/// A skirt hangs around shanks up to this far apart: metres.
+const NEAR: f64 = 0.6;
 
 /// All shells in one mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -331,5 +333,5 @@ pub fn legs_hang(model: &BodyModel, skin: &[DVec3]) -> bool {
     };
     let ways = [(8, 10), (9, 11)].map(|(thigh, shank)| (mean(shank) - mean(thigh)).normalize_or_zero());
     let apart = mean(10).distance(mean(11));
-    ways.iter().all(|way| way.y < -0.85) && apart < 4.5 * METRES
+    ways.iter().all(|way| way.y < -0.75) && apart < NEAR
 }
