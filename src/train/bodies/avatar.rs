@@ -63,11 +63,12 @@ impl BodyModel {
                 shell.double();
             }
         }
-        let linings: Vec<Shell> = worn
-            .iter()
-            .filter(|shell| shell.points.len() > 100)
-            .filter_map(|shell| happens(rng, 0.3).then(|| shell.lining(uniform(rng, 0.001..0.003))))
-            .collect();
+        let mut linings = Vec::new();
+        for shell in worn.iter().filter(|shell| shell.points.len() > 100) {
+            if happens(rng, 0.3) {
+                linings.push(shell.lining(uniform(rng, 0.001..0.003)));
+            }
+        }
         let mut shells = wearer.bare_skin(&worn, rng);
         shells.extend(worn);
         shells.extend(linings);

@@ -132,7 +132,7 @@ mod tests {
         let both = wall(0.0).with(&wall(-0.5));
         let camera = Camera::around(DVec3::ZERO, 0.0, 2.0);
         let seen = camera.sees(&both.points, &both.triangles, &mut ChaCha8Rng::seed_from_u64(1));
-        let (front, rest): (Vec<_>, Vec<_>) = seen.iter().partition(|p| p.vertex.is_some());
+        let (front, rest): (Vec<Pixel>, Vec<Pixel>) = seen.into_iter().partition(|p| p.vertex.is_some());
         // 365/2 pixels a metre.
         assert!((31_000..35_000).contains(&front.len()), "{}", front.len());
         let near = front.iter().filter(|p| p.place.z.abs() < 0.02).count();

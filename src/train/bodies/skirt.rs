@@ -31,7 +31,7 @@ pub fn skirt(
         (0..skin.len()).filter(|&v| inside[v]).map(|v| (v as u32, flat(skin[v]))).collect();
 
     let angle = |k: usize| TAU * k as f64 / AROUND as f64;
-    let mut radii = vec![[0.0f64; AROUND]; RINGS];
+    let mut radii: Vec<[f64; AROUND]> = Vec::with_capacity(RINGS);
     for ring in 0..RINGS {
         let s = ring as f64 / (RINGS - 1) as f64;
         // How far what is inside reaches in each direction, over a slab of a ring and a half each way.
@@ -42,16 +42,17 @@ pub fn skirt(
                 *reach = reach.max(x * cos + z * sin + height * (1.0 + t.max(0.0)));
             }
         }
-        for k in 0..AROUND {
-            // The nearest of the lines that bound the ring.
+        // As wide as the nearest of the lines that bound the ring, and hardly narrower than above.
+        let radius = |k: usize| {
             let bounds = (0..AROUND).filter_map(|j| {
                 let turn = (angle(k) - angle(j) + 1.5 * TAU) % TAU - 0.5 * TAU;
                 (turn.abs() < 0.9 * FRAC_PI_2).then(|| reach[j] / turn.cos())
             });
-            let radius = bounds.fold(f64::INFINITY, f64::min);
-            let above = if ring == 0 { 0.0 } else { radii[ring - 1][k] };
-            radii[ring][k] = radius.max(0.98 * above);
-        }
+            let above = radii.last().map_or(0.0, |above: &[f64; AROUND]| above[k]);
+            bounds.fold(f64::INFINITY, f64::min).max(0.98 * above)
+        };
+        let around = std::array::from_fn(radius);
+        radii.push(around);
     }
     let at = |ring: usize, k: usize| (ring * AROUND + k % AROUND) as u32;
     let points: Vec<DVec3> = (0..RINGS * AROUND)
