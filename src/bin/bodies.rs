@@ -10,8 +10,10 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use geose_fmap::train::bodies::BodyModel;
+use geose_fmap::train::bodies::avatars::write_avatars;
 use geose_fmap::train::bodies::held_out::{HELD_OUT_SEEDS, HeldOut, write_set};
 use geose_fmap::train::bodies::samples::{SampleError, write_samples};
+use geose_fmap::train::bodies::scenes::write_scenes;
 use geose_fmap::train::bodies::sheet::write_sheet;
 
 #[derive(Parser)]
@@ -65,6 +67,36 @@ enum Command {
         #[arg(long, default_value_t = 5000)]
         points: usize,
     },
+    /// Writes people dressed in shells, as game avatars are, beside bare ones, in the layout that `geose-fmap evaluate` reads.
+    Avatars {
+        /// As above.
+        #[arg(long)]
+        data: PathBuf,
+        /// The set's folder; made if missing.
+        #[arg(long)]
+        out: PathBuf,
+        /// Avatars; half as many bare bodies come with them.
+        #[arg(long, default_value_t = 12)]
+        count: usize,
+        /// Seed of the first body.
+        #[arg(long, default_value_t = 900_000, value_parser = clap::value_parser!(u64).range(HELD_OUT_SEEDS..))]
+        seed: u64,
+    },
+    /// Writes bodies with floors, walls, seats and neighbours, and bodies sampled as scanners do, beside the same bodies alone, in that layout.
+    Scenes {
+        /// As above.
+        #[arg(long)]
+        data: PathBuf,
+        /// The set's folder; made if missing.
+        #[arg(long)]
+        out: PathBuf,
+        /// Scenes; there are 19 kinds.
+        #[arg(long, default_value_t = 19)]
+        count: usize,
+        /// Seed of the first body.
+        #[arg(long, default_value_t = 910_000, value_parser = clap::value_parser!(u64).range(HELD_OUT_SEEDS..))]
+        seed: u64,
+    },
 }
 
 fn main() -> ExitCode {
@@ -87,5 +119,7 @@ fn run(command: Command) -> Result<Vec<String>, SampleError> {
         Command::Set { data, out, count, seed, points } => {
             write_set(&BodyModel::load(&data)?, &out, &HeldOut { count, seed, points })
         }
+        Command::Avatars { data, out, count, seed } => write_avatars(&BodyModel::load(&data)?, &out, count, seed),
+        Command::Scenes { data, out, count, seed } => write_scenes(&BodyModel::load(&data)?, &out, count, seed),
     }
 }

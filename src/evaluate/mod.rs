@@ -16,6 +16,7 @@ pub mod refit;
 mod report;
 mod rotation;
 mod ruler;
+mod same_part;
 pub(crate) mod selection;
 pub(crate) mod table;
 mod truth;
@@ -46,9 +47,11 @@ use interval::{interval, mean};
 pub use mode::Mode;
 use overlap::Overlap;
 use part_classes::class_of_parts;
+use report::PairParts;
 pub use report::{Evaluation, PairResult, Pieces};
 pub use rotation::Rotate;
 use ruler::Ruler;
+use same_part::{FAR_OFF, given_parts, same_part};
 use truth::Truth;
 
 /// Thresholds of accuracy, in √area (paper Sec. 4.2).
@@ -94,6 +97,8 @@ struct Trial<'t> {
     shapes: [&'t PreparedShape; 2],
     truth: &'t Truth,
     ruler: &'t Ruler,
+    /// Given parts of A's and B's points, where the set has both.
+    labels: Option<[&'t [u32]; 2]>,
 }
 
 impl Trial<'_> {
@@ -131,12 +136,15 @@ fn over_pairs<R: Send>(
     let needed = needed(&set, task, &pairs)?;
 
     // Everything is read before anything is computed: what is wrong with the files shows at once.
-    let mut shapes = BTreeMap::new();
+    let (mut shapes, mut labels) = (BTreeMap::new(), BTreeMap::new());
     for (name, faces) in &needed {
         let shape = set.shape(name)?;
         if *faces == FaceUse::Use && shape.faces().is_empty() {
             let sentence = format!("{name} of {} has no faces: measure it with --mode cloud", set.name());
             return Err(EvaluationError::NotMeasurable(sentence));
+        }
+        if let Some(Labelled { labels: given, .. }) = set.labels_if_any(name, shape.points().len())? {
+            labels.insert(name.as_str(), given);
         }
         shapes.insert(name.as_str(), shape);
     }
@@ -175,7 +183,10 @@ fn over_pairs<R: Send>(
     let measured = on_all_cores(&trials, |([a, b], truth)| {
         count(&format!("{a} {b}"), trials.len());
         let [faces_a, faces_b] = task.mode.faces();
-        each(&Trial { names: [a, b], shapes: [at(a, faces_a), at(b, faces_b)], truth, ruler: &rulers[b.as_str()] })
+        let of = |name: &String| labels.get(name.as_str()).map(Vec::as_slice);
+        let labels = of(a).zip(of(b)).map(|(a, b)| [a, b]);
+        let (shapes, ruler) = ([at(a, faces_a), at(b, faces_b)], &rulers[b.as_str()]);
+        each(&Trial { names: [a, b], shapes, truth, ruler, labels })
     })?;
     let prepared = needed.into_iter().zip(prepared).map(|((name, _), (shape, seconds))| (name, shape, seconds));
     Ok((set, prepared.collect(), measured))
@@ -241,7 +252,7 @@ struct Measured {
 }
 
 fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, EvaluationError> {
-    let Trial { names: [source, target], shapes: [a, b], truth, ruler } = *trial;
+    let Trial { names: [source, target], shapes: [a, b], truth, ruler, labels } = *trial;
     let failed = |e: Error| EvaluationError::method(format!("{source} {target}"), e);
     let clock = Instant::now();
     let (found, confidence, raw) = if task.oracle {
@@ -261,7 +272,15 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
     let flipped = truth.mirrored.as_ref().map(|mirrored| ruler.is_flipped(&errors, mirrored));
     let of_points = confidence.unwrap_or_default();
     let of_lines = truth.lines.iter().filter_map(|&(i, _)| of_points.get(i as usize));
-    let judged = of_lines.zip(errors.within(RIGHT)).map(|(&confidence, right)| Judged { confidence, right }).collect();
+    let judged: Vec<Judged> =
+        of_lines.zip(errors.within(RIGHT)).map(|(&confidence, right)| Judged { confidence, right }).collect();
+    let given_parts = labels.and_then(|[of_a, of_b]| {
+        Some(PairParts {
+            same_part: same_part(&found, of_a, of_b)?,
+            mean_confidence: mean(judged.iter().map(|judged| f64::from(judged.confidence))),
+            far_off: ruler.farther_than(&errors, truth, FAR_OFF),
+        })
+    });
     Ok(Measured {
         result: PairResult {
             source: source.clone(),
@@ -269,6 +288,7 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
             age: errors.age(),
             age_raw: before.age(),
             flipped,
+            given_parts,
         },
         accuracy: THRESHOLDS.map(|(_, threshold)| errors.accuracy(threshold)),
         part_agreement: (task.parts() == Parts::Predicted && truth.vertex_of.is_none())
@@ -344,6 +364,7 @@ fn summary(
         flipped_points: mean(measured.iter().filter_map(|m| m.flipped_points)),
         pieces: (!overlaps.is_empty()).then(|| Pieces { overlap: Overlap::mean(&overlaps), scale_within_10: None }),
         part_miou: mean(ious.into_iter()),
+        given_parts: given_parts(measured.iter().filter_map(|m| m.result.given_parts)),
         part_agreement: mean(measured.iter().filter_map(|m| m.part_agreement)),
         confidence_auc: area_under_curve(&judged),
         ece: calibration_error(&judged),

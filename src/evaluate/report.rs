@@ -52,6 +52,9 @@ pub struct Evaluation {
     pub part_miou: Option<f64>,
     /// The share of corresponding points that have the same predicted part, mean over pairs.
     pub part_agreement: Option<f64>,
+    /// What only sets with given parts have.
+    #[serde(flatten)]
+    pub given_parts: Option<GivenParts>,
     /// How often a point with an error of at most 0.05 √area has more confidence than one with a larger error, over the lines of all pairs.
     pub confidence_auc: Option<f64>,
     /// Expected calibration error of confidence, taken as the probability of an error of at most 0.05 √area; ten bins over the lines of all pairs.
@@ -73,6 +76,26 @@ pub struct Pieces {
     pub scale_within_10: Option<f64>,
 }
 
+/// The measurements of pairs whose shapes both came with parts.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct GivenParts {
+    /// The share of A's points that end on a point of B with the same given part, side included, mean over pairs.
+    pub same_part: f64,
+    /// Pairs whose mean confidence is above 0.6 though more than a fifth of their lines are off by more than 0.1 of the set's unit.
+    pub confident_wrong: usize,
+}
+
+/// The same for one pair.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PairParts {
+    /// The share of A's points that end on the same given part; unmatched points do not, and points of a part that B lacks do not count.
+    pub same_part: f64,
+    /// Mean confidence over the lines; none of an oracle.
+    pub mean_confidence: Option<f64>,
+    /// The share of lines off by more than 0.1 of the set's unit, in a straight line where no path leads along the mesh.
+    pub far_off: f64,
+}
+
 /// The measurements of one pair.
 #[derive(Clone, Debug, Serialize)]
 pub struct PairResult {
@@ -86,6 +109,9 @@ pub struct PairResult {
     pub age_raw: f64,
     /// Whether it is nearer to the mirrored truth.
     pub flipped: Option<bool>,
+    /// What only pairs with given parts on both shapes have.
+    #[serde(flatten)]
+    pub given_parts: Option<PairParts>,
 }
 
 impl fmt::Display for Evaluation {
@@ -131,6 +157,10 @@ impl fmt::Display for Evaluation {
             if !scores.is_empty() {
                 writeln!(f, "{of}: {}", scores.join(", "))?;
             }
+        }
+        if let Some(GivenParts { same_part, confident_wrong }) = self.given_parts {
+            let same = 100.0 * same_part;
+            writeln!(f, "{same:.1} % of points on the same part; {confident_wrong} of {pairs} confident and wrong")?;
         }
         let seconds = [("shape", self.seconds_per_shape), ("pair", self.seconds_per_pair)];
         let seconds: Vec<_> =

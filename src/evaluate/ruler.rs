@@ -50,6 +50,18 @@ impl Ruler {
         predicted.map(|predicted| Errors { each: each.by_ref().take(predicted.len()).collect(), predicted })
     }
 
+    /// The share of lines whose prediction is farther than `length` (unit of the mesh) from the truth, or missing. Where no path joins the two, as between
+    /// clothes and the skin below, the straight line counts.
+    pub(super) fn farther_than(&self, errors: &Errors, truth: &Truth, length: f64) -> f64 {
+        let far = |((&p, &(_, t)), &e): ((&u32, &(u32, u32)), &f64)| {
+            p == UNMATCHED
+                || squared_distance(self.points[p as usize], self.points[t as usize]).sqrt() > length
+                || e < self.worst && e * self.distances.root_area() > length
+        };
+        let lines = errors.predicted.iter().zip(&truth.lines).zip(&errors.each);
+        lines.filter(|&line| far(line)).count() as f64 / errors.each.len().max(1) as f64
+    }
+
     /// Whether the match as a whole is nearer to the mirrored truth, over the lines that have one: `mirrored` is (line, vertex).
     pub(super) fn is_flipped(&self, errors: &Errors, mirrored: &[(usize, u32)]) -> bool {
         let total: f64 = mirrored.iter().map(|&(line, _)| errors.each[line]).sum();
@@ -168,6 +180,10 @@ mod tests {
         let wanted = [0.0, 2.0, longest, longest].map(|way| way / root_area);
         assert!(errors.each.iter().zip(wanted).all(|(e, w)| (e - w).abs() < 1e-12), "{:?} {wanted:?}", errors.each);
         assert_eq!(errors.accuracy(0.5), 0.5);
+        // Unmatched, and across a gap of five units, where the straight line counts.
+        let lines = truth(&[(0, 0), (1, 4), (2, 4), (3, 4)]);
+        let [of_lines] = ruler.errors(&lines, [&[0, 8, UNMATCHED, 64]]);
+        assert_eq!([1.0, 5.5].map(|length| ruler.farther_than(&of_lines, &lines, length)), [0.75, 0.25]);
         // Neither of the last two is any nearer to its mirror image, whatever that is.
         assert_eq!(ruler.flipped_points(&errors, &mirrored(&[0, 4, 4, 4])), 0.0);
         assert!(!ruler.is_flipped(&errors, &mirrored(&[0, 4, 4, 4])));

@@ -8,12 +8,16 @@
 //! ```
 
 pub mod anchors;
+pub mod avatar;
+pub mod avatars;
 pub mod bvh;
+pub mod camera;
 pub mod chance;
 pub mod cloud;
 pub mod data;
 pub mod held_out;
 pub mod joints;
+pub mod layout;
 pub mod manifold;
 pub mod parts;
 pub mod people;
@@ -25,14 +29,22 @@ pub mod random;
 pub mod reach;
 pub mod refine;
 pub mod samples;
+pub mod sampling;
 pub mod scan;
+pub mod scene;
+pub mod scenes;
 pub mod shape_mixture;
 pub mod sheet;
+pub mod shell;
 pub mod simplify;
 pub mod skeleton;
 pub mod skinning;
+pub mod skirt;
 pub mod surface;
+pub mod things;
 pub mod touch;
+pub mod trinkets;
+pub mod wardrobe;
 pub mod write;
 
 use std::path::Path;
