@@ -27,8 +27,10 @@ const CRISP: f64 = 0.15;
 const BESIDE: f64 = 1.6;
 /// A piece of a mesh of which more than this share goes, goes as a whole; one of which less than the rest goes, stays.
 const MOSTLY: f64 = 0.7;
-/// Other bodies have at least this share of the area of the largest thing.
-const BODY: f64 = 0.05;
+/// Things that count have at least this share of the area of the largest.
+const THING: f64 = 0.05;
+/// And the body alone this share of the area of all together: a leg of a scan that lacks the torso looks like a small body.
+const BODY: f64 = 0.25;
 /// Things of which each is tried as the body.
 const TRIED: usize = 3;
 
@@ -195,7 +197,7 @@ impl Scene {
         thing.iter().for_each(|&thing| *sizes.entry(thing).or_default() += 1);
         let mut by_size: Vec<(usize, u32)> = sizes.into_iter().map(|(thing, size)| (size, thing)).collect();
         by_size.sort_by_key(|&(size, thing)| (std::cmp::Reverse(size), thing));
-        let least = BODY * by_size.first().map_or(0.0, |&(size, _)| size as f64);
+        let least = THING * by_size.first().map_or(0.0, |&(size, _)| size as f64);
         by_size.retain(|&(size, _)| size as f64 >= least);
         if by_size.len() < 2 {
             return Vec::new();
@@ -204,7 +206,8 @@ impl Scene {
             let gone: Vec<bool> = thing.iter().map(|&thing| thing != body).collect();
             self.proposal(LeftOut::OtherThings, &gone)
         };
-        by_size.iter().take(TRIED).filter_map(alone).collect()
+        let body = |&&(size, _): &&(usize, u32)| size as f64 >= BODY * self.places.len() as f64;
+        by_size.iter().filter(body).take(TRIED).filter_map(alone).collect()
     }
 
     /// In uploaded points. Pieces of a mesh stay whole where it is clear that they go or stay.

@@ -19,6 +19,8 @@ const GAP: f64 = 3.0;
 const SPARSE: f64 = 4.0;
 /// It is none where neighbours are farther away than this part of the longest side of the cloud's box: points in the air, or too few to tell.
 const WIDEST: f64 = 0.1;
+/// Nor where it has less than this share of the points: curtains behind a body are flat, too.
+const ENOUGH: f64 = 0.015;
 /// Nor where the points around one are less flat in the median: on a body of 300 points it is 0.066, where points fill space 0.12.
 const FLAT: f64 = 0.075;
 /// A stray piece or a vertex in no face this far (in lengths of the body's box) from the body is unmatched; a nearer one, like an eye or a nail, goes with the body.
@@ -127,34 +129,39 @@ fn pieces_of_mesh(shape: &Shape, surface: &[u32]) -> (Vec<u32>, Vec<f64>) {
 
 /// For each point its piece, of those that hang together at their own density, and the area of each piece; none of what is no surface.
 ///
-/// What is sampled thinly is part of the body as long as it is a surface: its points lie near each other against the size of the scan, and flat. Points that a
-/// scanner sees in the air are few, or far from each other, or fill space.
+/// What is sampled thinly is a piece of its own, and part of the body as long as it is a surface: its points lie near each other against the size of the scan, and
+/// flat. Points that a scanner sees in the air are few, or far from each other, or fill space.
 fn pieces_of_cloud(points: &[[f64; 3]]) -> (Vec<u32>, Vec<f64>) {
     let neighbours = nearest_neighbours(points, AROUND);
     let n = neighbours.len();
     let reach: Vec<f64> = (0..n).map(|i| neighbours.distances(i).last().copied().unwrap_or(0.0)).collect();
+    let limit = SPARSE * median(reach.iter().copied());
+    // A tenth of the points is no dirt but a part that was scanned more coarsely.
+    let sparse = reach.iter().filter(|&&r| r > limit).count();
+    let limit = if sparse * 10 < reach.len() { limit } else { f64::INFINITY };
     let edges = (0..n).flat_map(|i| {
         let (reach, neighbours) = (&reach, &neighbours);
         let near = neighbours.of(i).iter().zip(neighbours.distances(i));
         let hang_together = move |j: u32, d: f64| {
-            d <= GAP * reach[i].min(reach[j as usize]) || neighbours.of(j as usize).contains(&(i as u32))
+            let (one, other) = (reach[i], reach[j as usize]);
+            let mutual = || one > limit && neighbours.of(j as usize).contains(&(i as u32));
+            (one > limit) == (other > limit) && (d <= GAP * one.min(other) || mutual())
         };
         near.filter(move |&(&j, &d)| hang_together(j, d)).map(move |(&j, _)| (i as u32, j))
     });
     let (piece, count) = components(points.len(), edges);
     let mut members = vec![Vec::new(); count];
     piece.iter().zip(0..).for_each(|(&piece, i)| members[piece as usize].push(i));
-    let usual = median(reach.iter().copied());
     let widest = WIDEST * longest_side(points);
     let area = members.iter().map(|members: &Vec<u32>| {
-        let reach_of_piece = median(members.iter().map(|&i| reach[i as usize]));
-        let thin = reach_of_piece > SPARSE * usual;
+        let thin = members.iter().any(|&i| reach[i as usize] > limit);
         let surface = || {
             let flatness = |&i: &u32| flatness(points, i, neighbours.of(i as usize));
-            reach_of_piece <= widest && median(members.iter().map(flatness)) <= FLAT
+            members.len() as f64 >= ENOUGH * n as f64
+                && median(members.iter().map(|&i| reach[i as usize])) <= widest
+                && median(members.iter().map(flatness)) <= FLAT
         };
-        let counts = members.len() > AROUND && (!thin || surface());
-        if counts { members.iter().map(|&i| reach[i as usize].powi(2)).sum() } else { 0.0 }
+        if !thin || surface() { members.iter().map(|&i| reach[i as usize].powi(2)).sum() } else { 0.0 }
     });
     let area = area.collect();
     (piece, area)
