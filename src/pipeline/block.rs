@@ -169,7 +169,10 @@ impl PreparedShape {
             Some(stands_for) => {
                 let added = f64s("added")?.as_chunks::<3>().0.to_vec();
                 let faces = u32s("resampledFaces")?.as_chunks::<3>().0.to_vec();
-                Some(Resampled::from_tables(&shape, added, faces, stands_for).ok_or_else(|| fail("its surface is another"))?)
+                Some(
+                    Resampled::from_tables(&shape, added, faces, stands_for)
+                        .ok_or_else(|| fail("its surface is another"))?,
+                )
             }
         };
         let (n, carriers) = (uploaded + resampled.as_ref().map_or(0, |found| found.stands_for.len()), mass.len());

@@ -126,7 +126,9 @@ pub(crate) async fn match_with_cues<D: Device>(
     };
     let Refined { mut a_to_b, mut b_to_a, maps, cues, .. } = refined;
     let reliability = (a.info.reliability * b.info.reliability) as f32;
-    [&mut a_to_b, &mut b_to_a].into_iter().for_each(|found| found.confidence.iter_mut().for_each(|c| *c *= reliability));
+    [&mut a_to_b, &mut b_to_a]
+        .into_iter()
+        .for_each(|found| found.confidence.iter_mut().for_each(|c| *c *= reliability));
     let untrained = home.is_none().then(without_network);
     let mut warnings: Vec<Warning> = untrained.into_iter().chain(of_shapes(a, b)).collect();
     warnings.extend(home.as_ref().and_then(|home| verdict(home, !by_network, by_landmarks)));

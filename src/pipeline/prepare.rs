@@ -230,8 +230,9 @@ pub(crate) fn prepare_with_carriers(
     }));
     repairs.extend(operator_shape.wind_alike());
     support.unmatched = (!unmatched.is_empty()).then_some(unmatched);
-    let used: Vec<[f64; 3]> =
-        (0..support.points_used(used_shape.points().len())).map(|row| used_shape.points()[support.uploaded(row)]).collect();
+    let used: Vec<[f64; 3]> = (0..support.points_used(used_shape.points().len()))
+        .map(|row| used_shape.points()[support.uploaded(row)])
+        .collect();
     let coarse = farthest_points(&used, &(0..used.len() as u32).collect::<Vec<u32>>(), COARSE, &mut report)?;
 
     let carriers = Carriers::new(operator_shape);

@@ -19,7 +19,8 @@ impl Surface {
         let mut shape = used_as(as_read, options.faces, repairs);
         let stays = |i: &u32| aside.binary_search(i).is_err();
         if shape.faces().is_empty() {
-            let is_first = |&i: &u32| shape.first_at_place()[i as usize] == i && shape.placeless().binary_search(&i).is_err();
+            let is_first =
+                |&i: &u32| shape.first_at_place()[i as usize] == i && shape.placeless().binary_search(&i).is_err();
             let points = (0..shape.points().len() as u32).filter(is_first).filter(stays).collect();
             return Self { shape, resampled: None, points };
         }

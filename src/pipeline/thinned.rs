@@ -23,7 +23,8 @@ impl PreparedShape {
         if p <= most {
             return Ok(Cow::Borrowed(self));
         }
-        let places: Vec<[f64; 3]> = (0..p).map(|row| self.sampled_shape().points()[self.support.uploaded(row)]).collect();
+        let places: Vec<[f64; 3]> =
+            (0..p).map(|row| self.sampled_shape().points()[self.support.uploaded(row)]).collect();
         let all: Vec<u32> = (0..p as u32).collect();
         // It begins with the sampling that refinement runs on.
         let chosen = farthest_points(&places, &all, most, report)?;

@@ -75,12 +75,7 @@ fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
 }
 
 /// Reports, and keeps, points of a mesh that belong to no face.
-pub(super) fn notice_bare_points(
-    points: usize,
-    faces: &[[u32; 3]],
-    placeless: &[u32],
-    repairs: &mut Vec<Repair>,
-) {
+pub(super) fn notice_bare_points(points: usize, faces: &[[u32; 3]], placeless: &[u32], repairs: &mut Vec<Repair>) {
     if faces.is_empty() {
         return;
     }

@@ -204,7 +204,13 @@ impl Shape {
     pub(crate) fn first_at_place(&self) -> &[u32] {
         self.first.get_or_init(|| {
             let (mut first, _) = joined(&self.points, &self.faces);
-            self.placeless.iter().for_each(|&i| first[i as usize] = i);
+            // Points without a place lie where the first other one does, and are nobody's copies, nor is it theirs.
+            let placeless = |i: &u32| self.placeless.binary_search(i).is_ok();
+            if let Some(placed) = (0..first.len() as u32).find(|i| !placeless(i)).filter(|_| !self.placeless.is_empty())
+            {
+                first.iter_mut().filter(|first| placeless(first)).for_each(|first| *first = placed);
+                self.placeless.iter().for_each(|&i| first[i as usize] = i);
+            }
             first
         })
     }

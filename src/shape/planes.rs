@@ -38,9 +38,8 @@ impl Patch {
 /// The flat patches among evenly spread `points`, `spacing` apart, largest first. Points of one patch hang together by `neighbours`.
 pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) -> Vec<Patch> {
     let n = neighbours.len();
-    let normals: Vec<[f64; 3]> = (0..n)
-        .map(|i| plane_of(neighbours.of(i).iter().chain([&(i as u32)]).map(|&j| points[j as usize])).0)
-        .collect();
+    let normals: Vec<[f64; 3]> =
+        (0..n).map(|i| plane_of(neighbours.of(i).iter().chain([&(i as u32)]).map(|&j| points[j as usize])).0).collect();
     let thick = THICK * spacing;
     let mut free = vec![true; n];
     let mut patches = Vec::new();
@@ -48,9 +47,7 @@ pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) 
         let on_plane = |normal: [f64; 3], offset: f64| {
             let (free, normals) = (&free, &normals);
             (0..n).filter(move |&i| {
-                free[i]
-                    && (dot(normal, points[i]) - offset).abs() <= thick
-                    && dot(normal, normals[i]).abs() >= AGREES
+                free[i] && (dot(normal, points[i]) - offset).abs() <= thick && dot(normal, normals[i]).abs() >= AGREES
             })
         };
         let seeds = (0..n).step_by((n / SEEDS).max(1)).filter(|&i| free[i]);

@@ -16,10 +16,14 @@ pub struct Resampled {
 
 impl Resampled {
     fn of(shape: &Shape, added: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, stands_for: Vec<u32>) -> Self {
-        let all = |labels: &[u32]| labels.iter().copied().chain(stands_for.iter().map(|&i| labels[i as usize])).collect();
+        let all =
+            |labels: &[u32]| labels.iter().copied().chain(stands_for.iter().map(|&i| labels[i as usize])).collect();
         let labels = shape.labels().map(all);
         let points = [shape.points(), &added].concat();
-        Self { shape: Shape::already_valid(points, faces, labels).with_placeless(shape.placeless().to_vec()), stands_for }
+        Self {
+            shape: Shape::already_valid(points, faces, labels).with_placeless(shape.placeless().to_vec()),
+            stands_for,
+        }
     }
 
     /// The same points with other faces.
@@ -36,7 +40,8 @@ impl Resampled {
     ) -> Option<Self> {
         let n = shape.points().len();
         let below = |indices: &[u32], limit: usize| indices.iter().all(|&i| (i as usize) < limit);
-        let fits = added.len() == stands_for.len() && below(&stands_for, n) && below(faces.as_flattened(), n + added.len());
+        let fits =
+            added.len() == stands_for.len() && below(&stands_for, n) && below(faces.as_flattened(), n + added.len());
         fits.then(|| Self::of(shape, added, faces, stands_for))
     }
 

@@ -118,7 +118,8 @@ impl Scene {
         if let Some((patch, side)) = floor {
             let gone = self.beside(std::slice::from_ref(patch));
             let beyond = |i: usize| side * patch.height(self.places[i]) < self.spacing * 0.5;
-            let gone: Vec<bool> = gone.iter().enumerate().map(|(i, &gone)| gone || beyond(i) && self.near(patch, i)).collect();
+            let gone: Vec<bool> =
+                gone.iter().enumerate().map(|(i, &gone)| gone || beyond(i) && self.near(patch, i)).collect();
             found.extend(self.proposal(LeftOut::Floor, &gone));
         }
         patches.retain(|patch| patch.roughness <= CRISP * self.spacing);
@@ -136,9 +137,16 @@ impl Scene {
     /// The side of a plane, 1 or −1, on which nearly all that is not on it lies.
     fn side_of_the_rest(&self, patch: &Patch) -> Option<f64> {
         let heights = self.places.iter().map(|&place| patch.height(place)).filter(|h| h.abs() > self.spacing);
-        let (above, all) = heights.fold((0, 0), |(above, all): (usize, usize), h| (above + usize::from(h > 0.0), all + 1));
+        let (above, all) =
+            heights.fold((0, 0), |(above, all): (usize, usize), h| (above + usize::from(h > 0.0), all + 1));
         let share = above as f64 / all.max(1) as f64;
-        if share >= ONE_SIDE { Some(1.0) } else if share <= 1.0 - ONE_SIDE { Some(-1.0) } else { None }
+        if share >= ONE_SIDE {
+            Some(1.0)
+        } else if share <= 1.0 - ONE_SIDE {
+            Some(-1.0)
+        } else {
+            None
+        }
     }
 
     /// Whether a probe lies below or beside a patch and not somewhere else behind its plane.
@@ -239,7 +247,9 @@ impl Scene {
 /// The spacing at which some thousand points would cover a cloud: by the cells of a grid that it fills.
 fn spacing_of(points: &[([f64; 3], u32)]) -> f64 {
     let side = |c: usize| {
-        let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (p, _)| (low.min(p[c]), high.max(p[c])));
+        let (low, high) = points
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (p, _)| (low.min(p[c]), high.max(p[c])));
         high - low
     };
     let mut spacing = (0..3).map(side).fold(0.0, f64::max) / 16.0;

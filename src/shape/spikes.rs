@@ -28,8 +28,9 @@ pub fn without_spikes(shape: &Shape) -> Option<Vec<[u32; 3]>> {
         let length = at.map_or(0.0, |at| graph.lengths(i as usize)[at]);
         length > at_least && length > LONG * usual[i as usize].max(usual[j as usize])
     };
-    let on_surface =
-        |&[a, b, c]: &[u32; 3]| ![a, b, c].iter().any(|&i| spike[i as usize]) && !long(a, b) && !long(b, c) && !long(c, a);
+    let on_surface = |&[a, b, c]: &[u32; 3]| {
+        ![a, b, c].iter().any(|&i| spike[i as usize]) && !long(a, b) && !long(b, c) && !long(c, a)
+    };
     let kept: Vec<[u32; 3]> = shape.faces().iter().copied().filter(on_surface).collect();
     (kept.len() < shape.faces().len()).then_some(kept)
 }
@@ -49,8 +50,9 @@ fn middle_side(shape: &Shape, usual: &[f64]) -> f64 {
     (0..3).map(side).fold(0.0, f64::max)
 }
 
+/// The lower one of two in the middle: at the corner of a sheet a curtain has as many edges as the sheet.
 fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
+    let middle = values.len().saturating_sub(1) / 2;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
@@ -61,7 +63,8 @@ mod tests {
     /// A sheet of 30 × 30 points one apart, bent.
     fn sheet() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         let at = |x: u32, y: u32| 30 * y + x;
-        let points = (0..900).map(|i| [f64::from(i % 30), f64::from(i / 30), 0.02 * f64::from(i % 30).powi(2)]).collect();
+        let points =
+            (0..900).map(|i| [f64::from(i % 30), f64::from(i / 30), 0.02 * f64::from(i % 30).powi(2)]).collect();
         let squares = (0..29).flat_map(|y| (0..29).map(move |x| (x, y)));
         let faces = squares.flat_map(|(x, y)| {
             [[at(x, y), at(x + 1, y), at(x, y + 1)], [at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]]
@@ -89,7 +92,7 @@ mod tests {
         // From the right border of the one to the left border of the other.
         faces.extend((0..29).map(|y| [30 * y + 29, n + 30 * y, 30 * (y + 1) + 29]));
         let kept = without_spikes(&Shape::already_valid(points, faces, None)).expect("a curtain");
-        assert_eq!(kept, whole);
+        assert!(kept == whole, "{} faces of {}", kept.len(), whole.len());
     }
 
     #[test]

@@ -1,0 +1,310 @@
+//! Scans as people have them: chunks whose borders were rounded apart, clothes over skin, spikes, rows that are no numbers, uneven clouds, floors, boxes and other people.
+#![cfg(not(target_arch = "wasm32"))]
+
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use geose_fmap::pipeline::ShapeKind;
+use geose_fmap::{Match, MatchOptions, Matcher, PrepareOptions, PreparedShape, Shape, UNMATCHED};
+
+static MATCHER: LazyLock<Matcher> = LazyLock::new(Matcher::new);
+/// Both are the same woman, vertex by vertex.
+static STANDING: LazyLock<Scan> = LazyLock::new(|| Scan::sample("woman-standing.ply"));
+static STRIDING: LazyLock<Shape> = LazyLock::new(|| Scan::sample("woman-striding.ply").shape());
+static TARGET: LazyLock<PreparedShape> =
+    LazyLock::new(|| MATCHER.prepare(STRIDING.clone(), &PrepareOptions::default()).expect("prepared"));
+
+/// Points and faces, and for each point the vertex of the sample it is.
+#[derive(Clone)]
+struct Scan {
+    points: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+    vertex: Vec<Option<u32>>,
+}
+
+impl Scan {
+    fn sample(name: &str) -> Self {
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("www/public/samples").join(name);
+        let shape = geose_fmap::read(&std::fs::read(path).expect("a sample"), Some(name), None).expect("read");
+        let vertex = (0..shape.points().len() as u32).map(Some).collect();
+        Self { points: shape.points().to_vec(), faces: shape.faces().to_vec(), vertex }
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::new(self.points.clone(), self.faces.clone(), None).expect("a shape")
+    }
+
+    fn cloud(mut self) -> Self {
+        self.faces.clear();
+        self
+    }
+
+    /// With something that is not the body.
+    fn and(mut self, (points, faces): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> Self {
+        let first = self.points.len() as u32;
+        self.vertex.extend(points.iter().map(|_| None));
+        self.points.extend(points);
+        self.faces.extend(faces.iter().map(|face| face.map(|i| i + first)));
+        self
+    }
+
+    /// Cut into chunks by `chunk` of a face's middle; every chunk has points of its own, changed by `rounded`.
+    fn in_chunks(&self, mut chunk: impl FnMut([f64; 3]) -> u32, rounded: impl Fn(u32, [f64; 3]) -> [f64; 3]) -> Self {
+        let mut cut = Self { points: Vec::new(), faces: Vec::new(), vertex: Vec::new() };
+        let mut known = std::collections::BTreeMap::new();
+        for face in &self.faces {
+            let middle = std::array::from_fn(|c| face.iter().map(|&i| self.points[i as usize][c]).sum::<f64>() / 3.0);
+            let number = chunk(middle);
+            cut.faces.push(face.map(|i| {
+                *known.entry((number, i)).or_insert_with(|| {
+                    cut.points.push(rounded(number, self.points[i as usize]));
+                    cut.vertex.push(Some(i));
+                    cut.points.len() as u32 - 1
+                })
+            }));
+        }
+        cut
+    }
+}
+
+fn prepared(scan: &Scan) -> PreparedShape {
+    MATCHER.prepare(scan.shape(), &PrepareOptions::default()).expect("prepared")
+}
+
+fn said(shape: &PreparedShape, code: &str) -> bool {
+    shape.repairs.iter().any(|repair| repair.code == code)
+}
+
+/// Mean distance in centimetres from where points of the body go to where they belong, the share that goes nowhere, and mean confidence.
+fn error(scan: &Scan, found: &Match) -> (f64, f64, f64) {
+    let (mut sum, mut count, mut lost) = (0.0, 0, 0);
+    for (i, vertex) in scan.vertex.iter().enumerate() {
+        let Some(vertex) = vertex else { continue };
+        match found.a_to_b.target[i] {
+            UNMATCHED => lost += 1,
+            target => {
+                let [p, q] = [target, *vertex].map(|j| STRIDING.points()[j as usize]);
+                sum += 100.0 * (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f64>().sqrt();
+                count += 1;
+            }
+        }
+    }
+    let confidence = found.a_to_b.confidence.iter().map(|&c| f64::from(c)).sum::<f64>() / scan.points.len() as f64;
+    (sum / f64::from(count), f64::from(lost) / f64::from(count + lost), confidence)
+}
+
+fn matched(scan: &Scan) -> (PreparedShape, (f64, f64, f64)) {
+    let shape = prepared(scan);
+    let found = MATCHER.match_shapes(&shape, &TARGET, &MatchOptions::default()).expect("matched");
+    let error = error(scan, &found);
+    println!("{error:?} {:?}", shape.repairs.iter().map(|repair| &*repair.code).collect::<Vec<_>>());
+    (shape, error)
+}
+
+/// A flat grid, `step` apart.
+fn plate(corner: [f64; 3], sides: [[f64; 3]; 2], step: f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let count = sides.map(|side| (side.iter().map(|x| x * x).sum::<f64>().sqrt() / step).round() as u32);
+    let (across, along) = (count[0], count[1]);
+    let place = |i: u32, j: u32| {
+        std::array::from_fn(|c| {
+            corner[c] + sides[0][c] * f64::from(i) / f64::from(across) + sides[1][c] * f64::from(j) / f64::from(along)
+        })
+    };
+    let points = (0..=across).flat_map(|i| (0..=along).map(move |j| place(i, j))).collect();
+    let at = |i: u32, j: u32| i * (along + 1) + j;
+    let squares = (0..across).flat_map(|i| (0..along).map(move |j| (i, j)));
+    let faces = squares
+        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]]);
+    (points, faces.collect())
+}
+
+/// Noise between −1 and 1 that only depends on what is given.
+fn noise(seed: u64) -> f64 {
+    let mut x = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    2.0 * ((x ^ (x >> 29)) >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
+}
+
+#[test]
+fn chunks_whose_borders_were_rounded_apart_are_one_surface() {
+    let chunk = |[x, y, _]: [f64; 3]| (y / 0.3) as u32 * 2 + u32::from(x > 0.0);
+    let apart = |by: f64| {
+        move |chunk: u32, p: [f64; 3]| {
+            std::array::from_fn(|c| p[c] + by * noise(u64::from(chunk) * 8 + c as u64 + p[c].to_bits()))
+        }
+    };
+    let step = 2.0 / f64::from(1 << 14);
+    let quantised = |chunk: u32, p: [f64; 3]| {
+        p.map(|x| ((x + 1e-3 * f64::from(chunk)) / step).round() * step - 1e-3 * f64::from(chunk))
+    };
+    for (name, scan) in [
+        ("1e-7", STANDING.in_chunks(chunk, apart(1e-7))),
+        ("1e-5", STANDING.in_chunks(chunk, apart(1e-5))),
+        ("14 bits", STANDING.in_chunks(chunk, quantised)),
+    ] {
+        let (shape, (error, lost, _)) = matched(&scan);
+        assert!(said(&shape, "seams-joined") && shape.info.pieces == 1, "{name}");
+        assert!(error <= 0.5 && lost == 0.0, "{name}: {error} cm");
+    }
+}
+
+#[test]
+fn loose_triangles_whose_corners_were_rounded_apart_are_one_surface() {
+    let mut face = 0;
+    let soup = STANDING.in_chunks(
+        |_| {
+            face += 1;
+            face
+        },
+        |face, p| std::array::from_fn(|c| p[c] + 1e-7 * noise(u64::from(face) * 8 + c as u64 + p[c].to_bits())),
+    );
+    let (_, (error, lost, _)) = matched(&soup);
+    assert!(error <= 0.5 && lost == 0.0, "{error} cm");
+}
+
+#[test]
+fn a_body_in_shells_is_one_body() {
+    // Head, arms, legs and trunk are shells of their own that overlap by the triangles at the cuts; trunk and legs a centimetre outside.
+    let shell = |[x, y, _]: [f64; 3]| {
+        if y > 1.38 {
+            0
+        } else if x.abs() > 0.2 {
+            1 + u32::from(x > 0.0)
+        } else if y > 0.75 {
+            3
+        } else {
+            4 + u32::from(x > 0.0)
+        }
+    };
+    let axis = |shell: u32| match shell {
+        0 | 3 => [0.0, 0.0],
+        4 => [-0.1, 0.0],
+        _ => [0.1, 0.0],
+    };
+    let out = |shell: u32, p: [f64; 3]| {
+        if ![3, 4, 5].contains(&shell) {
+            return p;
+        }
+        let [dx, dz] = [p[0] - axis(shell)[0], p[2] - axis(shell)[1]];
+        let length = dx.hypot(dz).max(1e-6);
+        [p[0] + 0.01 * dx / length, p[1], p[2] + 0.01 * dz / length]
+    };
+    let avatar = STANDING.in_chunks(shell, out);
+    let (shape, (error, lost, _)) = matched(&avatar);
+    assert!(said(&shape, "shells-joined"));
+    assert_eq!((shape.info.kind, shape.info.pieces), (ShapeKind::Cloud, 1));
+    assert!(error <= 4.0 && lost == 0.0, "{error} cm");
+    // What is between uploaded points is stored with them.
+    let again = PreparedShape::from_bytes(&shape.to_bytes().expect("bytes")).expect("stored");
+    assert_eq!(again.resampled, shape.resampled);
+    let onto = |shape: &PreparedShape| MATCHER.match_shapes(&TARGET, shape, &MatchOptions::default()).expect("matched");
+    let (now, then) = (onto(&shape), onto(&again));
+    assert_eq!(now.a_to_b, then.a_to_b);
+    assert!(now.a_to_b.target.iter().all(|&j| (j as usize) < avatar.points.len()), "targets are uploaded points");
+}
+
+#[test]
+fn spikes_to_the_origin_are_cut() {
+    let mut scan = STANDING.clone();
+    scan.points.iter_mut().for_each(|p| p[2] += 2.2);
+    let origin = scan.points.len() as u32;
+    scan = scan.and((vec![[0.0; 3]], Vec::new()));
+    for (number, face) in scan.faces.iter_mut().enumerate().filter(|(number, _)| number % 40 == 0) {
+        face[number % 3] = origin;
+    }
+    let (shape, (error, lost, _)) = matched(&scan);
+    assert!(said(&shape, "spikes-cut"));
+    assert!(error <= 0.5 && lost == 0.0, "{error} cm");
+}
+
+#[test]
+fn points_that_are_no_numbers_are_matched_with_nothing_and_keep_their_numbers() {
+    let mut scan = STANDING.clone().cloud();
+    for i in (0..scan.points.len()).filter(|i| i % 3 == 0) {
+        scan.points[i] = [f64::NAN; 3];
+        scan.vertex[i] = None;
+    }
+    let shape = prepared(&scan);
+    assert!(said(&shape, "points-without-place"));
+    let found = MATCHER.match_shapes(&shape, &TARGET, &MatchOptions::default()).expect("matched");
+    for (i, &target) in found.a_to_b.target.iter().enumerate() {
+        assert_eq!(target == UNMATCHED, i % 3 == 0, "{i}");
+    }
+    assert!(found.b_to_a.target.iter().all(|i| i % 3 != 0), "nothing goes to them");
+    let (error, ..) = error(&scan, &found);
+    assert!(error <= 3.0, "{error} cm");
+    let again = PreparedShape::from_bytes(&shape.to_bytes().expect("bytes")).expect("stored");
+    assert_eq!(again.shape.placeless(), shape.shape.placeless());
+    assert_eq!(MATCHER.match_shapes(&again, &TARGET, &MatchOptions::default()).expect("matched").a_to_b, found.a_to_b);
+}
+
+#[test]
+fn a_trunk_that_is_sampled_thinly_belongs_to_the_body() {
+    let mut scan = STANDING.clone().cloud();
+    let trunk = |p: &[f64; 3]| p[0].abs() < 0.2 && (0.75..1.35).contains(&p[1]);
+    let kept: Vec<usize> = (0..scan.points.len()).filter(|&i| !trunk(&scan.points[i]) || i % 8 == 0).collect();
+    scan.points = kept.iter().map(|&i| scan.points[i]).collect();
+    scan.vertex = kept.iter().map(|&i| scan.vertex[i]).collect();
+    let (_, (error, lost, _)) = matched(&scan);
+    assert!(error <= 3.0 && lost == 0.0, "{error} cm, {lost}");
+}
+
+#[test]
+fn coordinates_in_coarse_steps_are_said_and_trusted_less() {
+    let mut scan = STANDING.clone().cloud();
+    scan.points.iter_mut().flatten().for_each(|x| *x = f64::from((*x + 4e5) as f32));
+    let (shape, (_, _, confidence)) = matched(&scan);
+    assert!(said(&shape, "coarse-numbers") && shape.info.reliability < 0.5);
+    assert!(confidence < 0.6, "{confidence}");
+    assert!(!said(&TARGET, "coarse-numbers") && TARGET.info.reliability == 1.0);
+}
+
+#[test]
+fn floors_boxes_and_other_people_are_set_aside() {
+    let (x, z) = (0.0, 0.05);
+    let floor =
+        |side: f64, step: f64| plate([x - side / 2.0, 0.0, z - side / 2.0], [[side, 0.0, 0.0], [0.0, 0.0, side]], step);
+    let behind = STANDING.points.iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
+    let cube = || {
+        let corner = [-0.2, 0.0, behind - 0.42];
+        let edges = [[0.4, 0.0, 0.0], [0.0, 0.45, 0.0], [0.0, 0.0, 0.4]];
+        let side = |at: usize, far: bool| {
+            let from = std::array::from_fn(|c| corner[c] + if far { edges[at][c] } else { 0.0 });
+            plate(from, [edges[(at + 1) % 3], edges[(at + 2) % 3]], 0.02)
+        };
+        (0..6).map(|s| side(s / 2, s % 2 == 1)).fold((Vec::new(), Vec::new()), |(mut points, mut faces), (p, f)| {
+            let first = points.len() as u32;
+            points.extend(p);
+            faces.extend(f.iter().map(|face: &[u32; 3]| face.map(|i| i + first)));
+            (points, faces)
+        })
+    };
+    let other = Scan::sample("man-standing.ply");
+    let beside: Vec<[f64; 3]> = other.points.iter().map(|p| [0.75 * p[0] + 1.0, 0.75 * p[1], 0.75 * p[2]]).collect();
+    let things = [
+        ("a plate", floor(0.7, 0.02), "floor-set-aside"),
+        ("a floor", floor(2.0, 0.02), "floor-set-aside"),
+        ("a wall", plate([-0.75, 0.0, behind - 0.05], [[1.5, 0.0, 0.0], [0.0, 2.0, 0.0]], 0.02), "floor-set-aside"),
+        ("a box", cube(), "furniture-set-aside"),
+        ("another person", (beside, other.faces.clone()), "others-set-aside"),
+    ];
+    for as_cloud in [false, true] {
+        let form = |scan: Scan| if as_cloud { scan.cloud() } else { scan };
+        let alone = form(STANDING.clone());
+        let (shape, (usual, ..)) = matched(&alone);
+        assert!(shape.repairs.iter().all(|repair| !repair.code.ends_with("set-aside")), "nothing beside the body");
+        for (name, thing, code) in &things {
+            let scan = form(STANDING.clone().and(thing.clone()));
+            let (shape, (error, lost, _)) = matched(&scan);
+            assert!(said(&shape, code), "{name}, cloud {as_cloud}");
+            assert!(
+                error <= 1.5 * usual.max(0.3) && lost < 0.005,
+                "{name}, cloud {as_cloud}: {error} cm, {usual} alone, {lost}"
+            );
+        }
+    }
+    // Who wants all of it gets all of it.
+    let whole = PrepareOptions { whole_scan: true, ..PrepareOptions::default() };
+    let kept = MATCHER.prepare(STANDING.clone().and(floor(0.7, 0.02)).shape(), &whole).expect("prepared");
+    assert!(!said(&kept, "floor-set-aside"));
+}
