@@ -7,8 +7,8 @@ use crate::vector::{dot, minus};
 
 /// Points that a plane is tried around, evenly taken from all.
 const SEEDS: usize = 400;
-/// Most planes that are looked for.
-const MOST: usize = 12;
+/// Planes that are tried.
+const TRIED: usize = 16;
 /// A patch has at least this share of the points.
 const LEAST: f64 = 0.025;
 /// A point lies on a plane within this part of the spacing.
@@ -43,7 +43,7 @@ pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) 
     let thick = THICK * spacing;
     let mut free = vec![true; n];
     let mut patches = Vec::new();
-    while patches.len() < MOST {
+    for _ in 0..TRIED {
         let on_plane = |normal: [f64; 3], offset: f64| {
             let (free, normals) = (&free, &normals);
             (0..n).filter(move |&i| {
@@ -65,6 +65,7 @@ pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) 
         let patch = largest_together(&on, neighbours);
         // What was looked at is not looked at again.
         on.iter().for_each(|&i| free[i as usize] = false);
+        free[seed] = false;
         if patch.len() as f64 >= LEAST * n as f64 {
             let squares = patch.iter().map(|&i| (dot(normal, points[i as usize]) - offset).powi(2));
             let roughness = (squares.sum::<f64>() / patch.len() as f64).sqrt();
@@ -112,4 +113,37 @@ fn plane_of(points: impl Iterator<Item = [f64; 3]> + Clone) -> ([f64; 3], [f64; 
         std::array::from_fn(|c| eigen.U()[(c, 0)])
     });
     (normal, middle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::flat_patches;
+    use crate::graph::nearest_neighbours;
+
+    /// A grid of 40 × 40 points one apart in the plane of two axes.
+    fn plate(corner: [f64; 3], axes: [usize; 2]) -> impl Iterator<Item = [f64; 3]> {
+        (0..1600).map(move |i| {
+            let mut p = corner;
+            (p[axes[0]], p[axes[1]]) = (p[axes[0]] + f64::from(i % 40), p[axes[1]] + f64::from(i / 40));
+            p
+        })
+    }
+
+    #[test]
+    fn the_sides_of_a_corner_are_found_and_nothing_on_a_sphere() {
+        let corner: Vec<[f64; 3]> = plate([0.0; 3], [0, 1]).chain(plate([0.0, 0.0, 1.0], [0, 2])).collect();
+        let patches = flat_patches(&corner, &nearest_neighbours(&corner, 10), 1.0);
+        assert_eq!(patches.len(), 2);
+        assert!(patches.iter().all(|patch| patch.points.len() > 1400 && patch.roughness < 0.1));
+        let sphere: Vec<[f64; 3]> = (0..3000)
+            .map(|i| {
+                let (z, turn) = (1.0 - f64::from(2 * i + 1) / 3000.0, f64::from(i) * 2.399963);
+                [(1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z].map(|x| 15.0 * x)
+            })
+            .collect();
+        assert!(flat_patches(&sphere, &nearest_neighbours(&sphere, 10), 1.0).is_empty());
+        // Where every plane is as good as every other one, looking ends all the same.
+        let copies = vec![[1.0, 2.0, 3.0]; 300];
+        assert!(flat_patches(&copies, &nearest_neighbours(&copies, 10), 1.0).len() <= 1);
+    }
 }

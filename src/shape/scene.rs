@@ -3,7 +3,7 @@
 //! Geometry alone cannot tell a box that somebody sits on from the head of a box-headed figure. So it only proposes what the body may be without; who knows what
 //! bodies look like chooses.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::planes::{Patch, flat_patches};
 use super::{Shape, resampled};
@@ -23,6 +23,10 @@ const ONE_SIDE: f64 = 0.95;
 const FURNITURE: f64 = 0.08;
 /// Furniture is flat to this part of the spacing; the part of a back that fits between two planes fills the space between them, and is rougher.
 const CRISP: f64 = 0.15;
+/// A floor with less than this share of the points must be as flat.
+const WIDE: f64 = 0.15;
+/// So much of the rim of a floor, at most, is a border to what stands on it.
+const FREE: f64 = 0.5;
 /// Points this near to a patch and to its plane go with it, in the spacing: edges, where no normal tells.
 const BESIDE: f64 = 1.6;
 /// A piece of a mesh of which more than this share goes, goes as a whole; one of which less than the rest goes, stays.
@@ -113,7 +117,13 @@ impl Scene {
     fn without_planes(&self) -> Vec<Proposal> {
         let mut patches = flat_patches(&self.places, &self.neighbours, self.spacing);
         let mut found = Vec::new();
-        let floor = patches.iter().find_map(|patch| Some((patch, self.side_of_the_rest(patch)?)));
+        let wide = |patch: &Patch| patch.points.len() as f64 >= WIDE * self.places.len() as f64;
+        let flat = |patch: &Patch| patch.roughness <= CRISP * self.spacing;
+        let floors = patches.iter().filter(|patch| wide(patch) || flat(patch));
+        let floor = floors
+            .clone()
+            .find_map(|patch| Some((patch, self.side_of_the_rest(patch)?)))
+            .filter(|&(patch, side)| self.lies_free(patch, side));
         let floors = usize::from(floor.is_some());
         if let Some((patch, side)) = floor {
             let gone = self.beside(std::slice::from_ref(patch));
@@ -122,7 +132,7 @@ impl Scene {
                 gone.iter().enumerate().map(|(i, &gone)| gone || beyond(i) && self.near(patch, i)).collect();
             found.extend(self.proposal(LeftOut::Floor, &gone));
         }
-        patches.retain(|patch| patch.roughness <= CRISP * self.spacing);
+        patches.retain(flat);
         let share = patches.iter().map(|patch| patch.points.len()).sum::<usize>() as f64 / self.places.len() as f64;
         if share >= FURNITURE && patches.len() > floors {
             let mut gone = self.beside(&patches);
@@ -147,6 +157,18 @@ impl Scene {
         } else {
             None
         }
+    }
+
+    /// Whether most of the rim of a patch is no border to what lies on a side of it: a body stands on a floor, and is bounded by a side of itself.
+    fn lies_free(&self, patch: &Patch, side: f64) -> bool {
+        let on: BTreeSet<u32> = patch.points.iter().copied().collect();
+        let touches = |&&i: &&u32| {
+            let leaves = |&j: &u32| !on.contains(&j) && side * patch.height(self.places[j as usize]) > 0.0;
+            self.neighbours.of(i as usize).iter().any(leaves)
+        };
+        let touching = patch.points.iter().filter(touches).count() as f64;
+        // Around a square there are four times the root of its points; neighbours reach two points far.
+        touching < FREE * 8.0 * (patch.points.len() as f64).sqrt()
     }
 
     /// Whether a probe lies below or beside a patch and not somewhere else behind its plane.

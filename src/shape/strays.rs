@@ -25,6 +25,8 @@ const ENOUGH: f64 = 0.015;
 const FLAT: f64 = 0.075;
 /// A stray piece or a vertex in no face this far (in lengths of the body's box) from the body is unmatched; a nearer one, like an eye or a nail, goes with the body.
 const FAR: f64 = 0.02;
+/// The same for what was set aside as a floor or the like, and may be the soles that stand on it.
+const SOLES: f64 = 0.04;
 
 /// Points of a shape that its operator does without.
 pub struct Strays {
@@ -77,10 +79,10 @@ pub fn set_strays_aside(shape: &Shape, surface: &[u32], aside: &[u32]) -> Strays
     if strays.is_empty() && bare.is_empty() && aside.is_empty() {
         return Strays { body, strays, far: Vec::new(), pieces: 0, far_vertices: Vec::new(), far_aside: Vec::new() };
     }
-    let from_body = |points: &[u32]| far_from(&at(shape, &body), &at(shape, points), points);
-    let far_vertices = from_body(&bare);
-    let far_aside = from_body(&aside);
-    let far = from_body(&strays);
+    let from_body = |points: &[u32], far: f64| far_from(&at(shape, &body), &at(shape, points), points, far);
+    let far_vertices = from_body(&bare, FAR);
+    let far_aside = from_body(&aside, SOLES);
+    let far = from_body(&strays, FAR);
     let [strays, far] = [strays, far].map(|points| with_copies(&points, first));
     Strays { body, strays, far, pieces: pieces.len(), far_vertices, far_aside }
 }
@@ -108,9 +110,9 @@ fn at(shape: &Shape, points: &[u32]) -> Vec<[f64; 3]> {
 }
 
 /// Those of `names` whose places in `strays` are far from all of `body`.
-fn far_from(body: &[[f64; 3]], strays: &[[f64; 3]], names: &[u32]) -> Vec<u32> {
+fn far_from(body: &[[f64; 3]], strays: &[[f64; 3]], names: &[u32], far: f64) -> Vec<u32> {
     let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(body) else { return Vec::new() };
-    let reach = FAR * longest_side(body);
+    let reach = far * longest_side(body);
     let squared = |p: &[f64; 3]| tree.query(p).nearest_one::<SquaredEuclidean<f64>>().execute().distance;
     strays.iter().zip(names).filter(|(p, _)| squared(p) > reach * reach).map(|(_, &name)| name).collect()
 }
