@@ -58,7 +58,8 @@ fn folder(name: &str, b_is_mesh: bool) -> PathBuf {
 fn run(folder: &Path, output: &str) -> Output {
     Command::new(env!("CARGO_BIN_EXE_geose-fmap"))
         .current_dir(folder)
-        .args(["match", "a.off", "b.off", "--eigenpairs", "20", "-o", output])
+        // What is about files leaves boxes whole: no network knows which of their sides is a floor.
+        .args(["match", "a.off", "b.off", "--eigenpairs", "20", "--whole-scan", "-o", output])
         .output()
         .expect("the program")
 }
@@ -111,7 +112,7 @@ fn json_has_the_fields_of_the_page_and_says_what_csv_says() {
     let set = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>();
     // As www/src/exports/map-table.ts writes them.
     assert_eq!(keys(&json), set(&["a", "b", "match", "map"]));
-    assert_eq!(keys(&json["a"]), set(&["name", "points", "kind", "prepared"]));
+    assert_eq!(keys(&json["a"]), set(&["name", "points", "kind", "prepared", "repairs"]));
     assert_eq!(
         keys(&json["match"]),
         set(&["refine", "parts", "landmarks", "device", "weights", "category", "warnings"])
@@ -241,4 +242,53 @@ fn landmarks_are_kept_to_the_point_and_refused_when_they_are_none() {
         assert_eq!(ended.status.code(), Some(code), "{landmarks}: {words}");
         assert!(words.contains(said), "{landmarks}: {words}");
     }
+}
+
+/// The codes of the repairs that a scan came with.
+fn codes(scan: &Value) -> BTreeSet<&str> {
+    let repairs = scan["repairs"].as_array().expect("a list");
+    assert!(repairs.iter().all(|repair| repair["message"].is_string() && repair["count"].is_u64()));
+    repairs.iter().map(|repair| repair["code"].as_str().expect("a name")).collect()
+}
+
+#[test]
+fn a_floor_is_set_aside_by_a_name_and_kept_with_whole_scan() {
+    let folder = folder("exports-floor", true);
+    let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/www/public/samples/woman-standing.ply");
+    let woman = read(&std::fs::read(sample).expect("a sample"), None, None).expect("a scan");
+    let body = woman.points().iter().step_by(3).copied();
+    let plate = (0..625_u32).map(|i| [f64::from(i % 25) / 12.0 - 1.0, -0.005, f64::from(i / 25) / 12.0 - 1.0]);
+    let lines = body.chain(plate).map(|[x, y, z]| format!("{x} {y} {z}\n"));
+    std::fs::write(folder.join("scene.xyz"), lines.collect::<String>()).expect("written");
+    let ran = |arguments: &[&str]| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_geose-fmap"));
+        let ran =
+            program.current_dir(&folder).args(arguments).args(["--points", "1500"]).output().expect("the program");
+        assert!(ran.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&ran.stderr));
+        ran
+    };
+    let info = |more: &[&str]| -> Value {
+        serde_json::from_slice(&ran(&[&["info", "scene.xyz", "--json"], more].concat()).stdout).expect("JSON")
+    };
+    assert!(codes(&info(&[])).contains("floor-set-aside"));
+    assert!(!codes(&info(&["--whole-scan"])).contains("floor-set-aside"));
+
+    let matched = |more: &[&str]| -> (Value, String) {
+        let pair = ["match", "scene.xyz", "a.off", "-o", "scene.json", "--eigenpairs", "20", "--refine", "none"];
+        let said = String::from_utf8(ran(&[&pair, more].concat()).stderr).expect("text");
+        (serde_json::from_slice(&std::fs::read(folder.join("scene.json")).expect("a file")).expect("JSON"), said)
+    };
+    let unmatched = |json: &Value| {
+        let map = json["map"].as_array().expect("a list");
+        map.iter().filter(|line| line["target"].is_null()).count()
+    };
+    let (json, said) = matched(&[]);
+    assert!(codes(&json["a"]).contains("floor-set-aside"));
+    assert_eq!(json["a"]["prepared"]["wholeScan"], false);
+    assert!(unmatched(&json) > 500, "{}", unmatched(&json));
+    assert!(said.contains("note on scan A: a floor or a wall was set aside"), "{said}");
+    let (json, said) = matched(&["--whole-scan"]);
+    assert!(!codes(&json["a"]).contains("floor-set-aside") && !said.contains("a floor or a wall"), "{said}");
+    assert_eq!(json["a"]["prepared"]["wholeScan"], true);
+    assert!(unmatched(&json) <= 4, "{}", unmatched(&json));
 }

@@ -64,18 +64,19 @@ export function laplacianOf(input: Omit<Laplacian, 'kind'>): Calls['spectrum']['
   }));
 }
 
-/** Options taken apart: what concerns the call, and a private copy of the rest, in which null is as good as nothing. */
+/** Options taken apart: what concerns the call, and a private copy of the rest, in which null is as good as nothing. Files are copied where they are read. */
 export function optionsOf<T extends CallOptions>(options: T | undefined): { call: CallOptions; rest: Omit<T, keyof CallOptions> } {
   if (options !== undefined && !isObject(options)) throw wrong('the options', 'an object', options);
   const { signal, onProgress, ...others } = options ?? ({} as T);
   if (signal !== undefined && !is<AbortSignal>(signal, 'AbortSignal')) throw wrong('signal', 'an AbortSignal', signal);
   if (onProgress !== undefined && typeof onProgress !== 'function') throw wrong('onProgress', 'a function', onProgress);
   const given = Object.entries(others).filter(([, value]) => value !== undefined && value !== null);
+  const [files, plain] = [given.filter(([key]) => key === 'companions'), given.filter(([key]) => key !== 'companions')];
   let rest: Omit<T, keyof CallOptions>;
   try {
-    rest = plainCopy(Object.fromEntries(given)) as Omit<T, keyof CallOptions>;
+    rest = { ...plainCopy(Object.fromEntries(plain)), ...Object.fromEntries(files) } as Omit<T, keyof CallOptions>;
   } catch (cause) {
-    throw new GeoSeError('invalid-argument', `the options must be plain data: ${given.map(([key]) => key).join(', ')}`, {}, { cause });
+    throw new GeoSeError('invalid-argument', `the options must be plain data: ${plain.map(([key]) => key).join(', ')}`, {}, { cause });
   }
   for (const [option, value] of Object.entries(rest)) OPTIONS.get(option)?.(option, value);
   return { call: { signal, onProgress }, rest };
@@ -93,6 +94,7 @@ const oneOf =
   (option, value) =>
     values.includes(value as string) || refuse(option, values.map((value) => `'${value}'`).join(' or '), value);
 const count: Check = (option, value) => Number.isInteger(value) || refuse(option, 'a whole number', value);
+const yesOrNo: Check = (option, value) => typeof value === 'boolean' || refuse(option, 'true or false', value);
 const number: Check = (option, value) => (typeof value === 'number' && Number.isFinite(value)) || refuse(option, 'a finite number', value);
 const laplacian = oneOf('geodesic', 'geodesic-literal', 'euclidean', 'gaussian', 'cotangent');
 const pairs: Check = (option, value) => {
@@ -116,6 +118,7 @@ const OPTIONS = new Map<string, Check>([
   ['iterations', count],
   ['sigma', number],
   ['up', oneOf('x', 'y', 'z')],
+  ['wholeScan', yesOrNo],
   ['pose', oneOf('saved', 'rest')],
   ['parts', oneOf('predicted', 'given', 'none')],
   ['refine', oneOf('best', 'zoomout', 'none')],

@@ -83,6 +83,11 @@ export interface PrepareOptions extends CallOptions, ReadOptions {
   eigenpairs?: number | undefined;
   /** Axis that points up, where it is known; shown in `info`, the match does not depend on it. */
   up?: Axis | undefined;
+  /**
+   * Whether all of the scan is the body. By default (`false`) a floor, furniture and other bodies are set aside where the network is more certain of what is
+   * left: `repairs` say so (`'floor-set-aside'`, `'furniture-set-aside'`, `'others-set-aside'`), and points far from the body are among `unmatched`.
+   */
+  wholeScan?: boolean | undefined;
 }
 
 /** How a Laplacian is built. What its kind does not have is refused with `'invalid-option'`; left out, it is as the paper has it. */

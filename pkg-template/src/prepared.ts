@@ -37,6 +37,13 @@ export class PreparedShape {
     return (this.#parts ??= partsOf(block));
   }
 
+  /** Uploaded points that stay without a partner in any match, ascending: what was set aside and strays, if they are far from the body. */
+  get unmatched(): Uint32Array<ArrayBuffer> {
+    const { points } = this.info;
+    // A scan with points put between the uploaded ones names some of those, too.
+    return (this.#open().uint32('unmatched') ?? new Uint32Array()).filter((point) => point < points);
+  }
+
   /** The scan as it was read. */
   geometry(): Geometry {
     const block = this.#open();

@@ -73,6 +73,8 @@ export interface ShapeInfo {
   readonly upAxis: Axis | null;
   /** √area in the unit of the file: what lengths are divided by. */
   readonly scale: number;
+  /** How far the scan can be relied on, in (0, 1]: confidence is multiplied by it. It is below 1 where coordinates are coarse or points few, as repairs say. */
+  readonly reliability: number;
   readonly laplacian: LaplacianKind;
   /** Eigenpairs k of the spectral basis. */
   readonly eigenpairs: number;
@@ -85,9 +87,9 @@ export interface ShapeInfo {
 
 /** One kind of thing the reader or the sanitiser changed. */
 export interface Repair {
-  /** Stable name: `'zero-area-faces'`, … */
+  /** Stable name: `'zero-area-faces'`, `'floor-set-aside'`, … */
   readonly code: string;
-  /** How many times. */
+  /** How many times; of what was set aside, how many points. */
   readonly count: number;
   /** A sentence for a person. */
   readonly message: string;

@@ -14,10 +14,12 @@ const PROGRAM = `
     const seen: Stage[] = [];
     using a: PreparedShape = await matcher.prepare(bytes, { name: 'a.ply', signal, onProgress: ({ stage }) => seen.push(stage) });
     const b = await matcher.prepare({ positions: [0, 0, 0], faces: new Uint16Array(3), labels: null }, { laplacian: 'geodesic', points: undefined });
-    const again = await matcher.prepare(b.geometry());
+    const again = await matcher.prepare(b.geometry(), { wholeScan: true });
+    const posed = await matcher.prepare(bytes, { name: 'a.gltf', pose: 'rest', companions: { 'a.bin': bytes } });
+    const aside: Uint32Array = posed.unmatched;
     const match = await matcher.match(a, again, { refine: 'best', parts: 'predicted', landmarks: [[0, 1]] });
     const targets: Uint32Array = match.targetOf;
-    const unmatched: number = targets.filter((target) => target === UNMATCHED).length;
+    const unmatched: number = aside.length + targets.filter((target) => target === UNMATCHED).length;
     const parts: Parts | null = a.parts;
     const sure: Float32Array | undefined = parts?.source === 'predicted' ? parts.probabilities : undefined;
     const version: string | undefined = match.report.weights?.version;
@@ -33,6 +35,8 @@ const PROGRAM = `
     await Matcher.create({ device: 'gpu' });
     // @ts-expect-error no such option
     await matcher.prepare(new Uint8Array(), { eigenparis: 20 });
+    // @ts-expect-error neither true nor false
+    await matcher.prepare(new Uint8Array(), { wholeScan: 'yes' });
     // @ts-expect-error not a scan
     await matcher.prepare('a.ply');
     // @ts-expect-error a scan is not prepared yet

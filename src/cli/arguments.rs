@@ -26,6 +26,9 @@ pub(super) struct Preparing {
     /// The axis that points up: x, y or z.
     #[arg(long, value_parser = parse::<Axis>)]
     pub up: Option<Axis>,
+    /// All of a scan is the body: no floor, furniture or other body in it is set aside.
+    #[arg(long)]
+    pub whole_scan: bool,
 }
 
 impl Preparing {
@@ -35,6 +38,7 @@ impl Preparing {
             eigenpairs: self.eigenpairs,
             laplacian: self.laplacian,
             up: self.up,
+            whole_scan: self.whole_scan,
             ..Default::default()
         }
     }

@@ -19,11 +19,16 @@ pub fn correspondence_colours(matched: &Match, b: &PreparedShape) -> [Vec<Linear
     [paint(&matched.a_to_b, &|_, target| target as usize), paint(&matched.b_to_a, &|j, _| j)]
 }
 
-/// A colour per point (n), by its place in the body's upright box.
+/// A colour per point (n), by its place in the body's upright box, which knows nothing of what was set aside.
 fn place_colours(body: &PreparedShape) -> Vec<LinearRgb> {
     let points = body.shape.points();
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    let mut include = |p: [f64; 3]| {
+    let aside = body.support.unmatched.as_deref().unwrap_or_default();
+    let mut include = |i: u32| {
+        if aside.binary_search(&i).is_ok() {
+            return;
+        }
+        let p = points[i as usize];
         for axis in 0..3 {
             low[axis] = low[axis].min(p[axis]);
             high[axis] = high[axis].max(p[axis]);
@@ -31,8 +36,8 @@ fn place_colours(body: &PreparedShape) -> Vec<LinearRgb> {
     };
     // Points of a mesh that belong to no face are not seen, however far off they lie.
     match body.shape.faces() {
-        [] => points.iter().for_each(|&p| include(p)),
-        faces => faces.iter().flatten().for_each(|&i| include(points[i as usize])),
+        [] => (0..points.len() as u32).for_each(&mut include),
+        faces => faces.iter().flatten().for_each(|&i| include(i)),
     }
     let turn = upright(body.info.up_axis);
     let share = |p: &[f64; 3]| {

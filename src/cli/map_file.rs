@@ -11,6 +11,7 @@ use crate::maps::UNMATCHED;
 use crate::network::WeightsId;
 use crate::pipeline::{DeviceKind, ShapeKind};
 use crate::pipeline::{Match, MatchOptions, PrepareOptions, PreparedShape, Warning};
+use crate::shape::Repair;
 use crate::write::{Body, LinearRgb, glb, ply};
 
 /// Says before the work that the folder of `file` is none.
@@ -124,11 +125,12 @@ struct Scan<'a> {
     points: usize,
     kind: ShapeKind,
     prepared: &'a PrepareOptions,
+    repairs: &'a [Repair],
 }
 
 impl<'a> Scan<'a> {
-    fn of(PreparedShape { info, .. }: &'a PreparedShape, prepared: &'a PrepareOptions) -> Self {
-        Self { name: info.name.as_deref(), points: info.points, kind: info.kind, prepared }
+    fn of(PreparedShape { info, repairs, .. }: &'a PreparedShape, prepared: &'a PrepareOptions) -> Self {
+        Self { name: info.name.as_deref(), points: info.points, kind: info.kind, prepared, repairs }
     }
 }
 

@@ -69,6 +69,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for stage in [Stage::FunctionalMap, Stage::Refine, Stage::Correspondence].map(Stage::name) {
         eprintln!("{stage}: {:.3} s", matched.seconds.get(stage).copied().unwrap_or_default());
     }
+    for (scan, prepared) in [("A", &a), ("B", &b)] {
+        prepared.repairs.iter().for_each(|repair| eprintln!("note on scan {scan}: {}", repair.message));
+    }
     for warning in &matched.warnings {
         eprintln!("note: {}", warning.message);
     }

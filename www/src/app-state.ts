@@ -16,6 +16,8 @@ export interface Scan {
   readonly source: ScanSource;
   readonly shape: PreparedShape;
   readonly choices: PrepareChoices;
+  /** Whether all of it was to be the body, floors and furniture included. */
+  readonly whole: boolean;
 }
 
 /** A match and the choices that led to it. */

@@ -8,15 +8,16 @@ export interface IntakePlan {
   readonly remark: string | null;
 }
 
-/** The first of several scans goes to `side`, the second to the other one; a scan that is there already stays as it is. */
-export function planIntake(state: AppState, side: Side, sources: readonly ScanSource[]): IntakePlan {
+/** The first of several scans goes to `side`, the second to the other one; a scan that is there already stays as it is. `remarks` are about what came with them and is no scan. */
+export function planIntake(state: AppState, side: Side, sources: readonly ScanSource[], remarks: readonly string[] = []): IntakePlan {
   const [first, second, ...further] = sources;
-  if (!first) return { loads: [], remark: 'There was no file in that. Drop the files of two scans.' };
+  if (!first) return { loads: [], remark: remarks.join(' ') || 'There was no file in that. Drop the files of two scans.' };
   const wanted = [[side, first] as const, ...(second ? [[opposite(side), second] as const] : [])];
   const fresh = wanted.filter(([to, source]) => !isThere(state, to, source));
   const after = (to: Side): ScanSource | null =>
     wanted.find(([wantedSide]) => wantedSide === to)?.[1] ?? arriving(state, to) ?? state.scans[to]?.source ?? null;
   const sentences = [
+    ...remarks,
     ...(second && further.length > 0 ? [`A match takes two scans: ${titles([first, second])} were taken, ${left(further)}.`] : []),
     ...wanted.filter((pair) => !fresh.includes(pair)).map(([to, source]) => `${source.title} is scan ${letter(to)} already.`),
     ...fresh.flatMap(([to, source]) => displaced(state, to, source)),

@@ -8,15 +8,23 @@ export interface ScanSource {
   readonly identity: string;
   /** What its part labels stand for, where the page knows it. */
   readonly partNames?: readonly string[];
+  /** Files beside it in which it keeps data. */
+  readonly companions?: readonly File[];
   data(): Promise<Blob>;
 }
 
-export const fromFile = (file: File): ScanSource => ({
+export const fromFile = (file: File, companions: readonly File[] = []): ScanSource => ({
   name: file.name,
   title: file.name,
-  identity: [file.name, file.size, file.lastModified].join(' '),
+  identity: [file, ...companions].map(({ name, size, lastModified }) => [name, size, lastModified].join(' ')).join('\n'),
+  companions,
   data: () => Promise.resolve(file),
 });
+
+/** The bytes of the files beside a scan, by name. */
+export async function companionsOf({ companions = [] }: ScanSource): Promise<Readonly<Record<string, ArrayBuffer>>> {
+  return Object.fromEntries(await Promise.all(companions.map(async (file) => [file.name, await file.arrayBuffer()] as const)));
+}
 
 /** A file of the page's own. Once fetched it is kept, so that it is there when the network is not. */
 export function fromAddress(address: string, title: string, partNames: readonly string[] = []): ScanSource {

@@ -2,7 +2,7 @@ import type { Matcher, Progress } from 'geose-fmap';
 import { isBusy, outdatedSides, stepNames, type AppStore, type Step, type StepName } from './app-state';
 import { reversed } from './match-direction';
 import { createMatcher, type DeviceChoice } from './matcher';
-import type { ScanSource } from './scan-source';
+import { companionsOf, type ScanSource } from './scan-source';
 import { sentence } from './sentences';
 import { sides, type Side } from './side';
 
@@ -59,12 +59,24 @@ export class Session {
 
   /** Prepares scans that came together, then matches if both sides have one, prepared with the same choices. If one of them cannot be read nothing is matched. */
   async load(loads: readonly (readonly [side: Side, source: ScanSource])[]): Promise<void> {
-    if (this.#end('match')) {
-      this.#matchIsDue = true;
-      this.#setStep('match', { status: 'waiting' });
-    }
+    this.#putMatchOff();
     const loaded = loads.map(([side, source]) => this.#prepare(side, source));
     await this.#prepared([...loaded, ...this.#prepareOutdated()]);
+  }
+
+  /** Prepares a scan again, all of it or without what is no part of the body, and matches anew. */
+  async prepareAgain(side: Side, whole: boolean): Promise<void> {
+    const scan = this.#store.get().scans[side];
+    if (!scan || this.#tasks.has(side)) return;
+    this.#putMatchOff();
+    await this.#prepared([this.#prepare(side, scan.source, whole), ...this.#prepareOutdated()]);
+  }
+
+  /** A match under way ends, and begins anew when the scans are there. */
+  #putMatchOff(): void {
+    if (!this.#end('match')) return;
+    this.#matchIsDue = true;
+    this.#setStep('match', { status: 'waiting' });
   }
 
   /** Matches anew; scans that were prepared with other choices are prepared again first. */
@@ -122,13 +134,14 @@ export class Session {
     });
   }
 
-  /** When it is done the scan is on show. */
-  async #prepare(side: Side, source: ScanSource): Promise<Outcome> {
-    const choices = this.#store.get().prepareChoices;
+  /** When it is done the scan is on show. Of a scan that is there already the user may have wanted all. */
+  async #prepare(side: Side, source: ScanSource, wanted?: boolean): Promise<Outcome> {
+    const { prepareChoices: choices, scans } = this.#store.get();
+    const whole = wanted ?? (scans[side]?.source.identity === source.identity && scans[side].whole);
     return this.#run(side, source, async (matcher, call) => {
-      const data = await source.data();
+      const [data, companions] = await Promise.all([source.data(), companionsOf(source)]);
       call.signal.throwIfAborted();
-      const shape = await matcher.prepare(data, { ...choices, ...call, name: source.name });
+      const shape = await matcher.prepare(data, { ...choices, ...call, name: source.name, companions, wholeScan: whole });
       if (call.signal.aborted) {
         shape.free();
         return;
@@ -136,7 +149,7 @@ export class Session {
       const { scans, errors, steps } = this.#store.get();
       const before = scans[side];
       this.#store.set({
-        scans: { ...scans, [side]: { source, shape, choices } },
+        scans: { ...scans, [side]: { source, shape, choices, whole } },
         errors: { ...errors, match: null },
         steps: { ...steps, match: { status: 'waiting' } },
         // The same file prepared with other choices has the same points: what was found about them still holds.

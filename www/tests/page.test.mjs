@@ -8,19 +8,16 @@ import { mkdtemp, readFile, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
 import { chromium } from 'playwright-core';
 import { ringPly } from './large-scan.mjs';
 import { meanError, surfaceOf } from './mean-error.mjs';
 import { readGlb, readPly } from './read-exports.mjs';
+import { drop, exported, matched, matchTimeout, samples, stageOf } from './visitor.mjs';
 
 const site = required('GEOSE_SITE_URL');
 const native = required('GEOSE_NATIVE');
-const samples = fileURLToPath(new URL('../public/samples/', import.meta.url));
 const pair = ['woman-standing.ply', 'man-lunging.ply'];
-/** Long enough for a match on two busy cores. */
-const matchTimeout = 120_000;
 
 const flags = [
   '--disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync',
@@ -548,27 +545,6 @@ async function open(options) {
   return opened;
 }
 
-const matched = (on) => on.waitForFunction(() => window.geose.state() === 'matched', null, { timeout: matchTimeout });
-
-/** A real drop event with real files: names among the samples, or name and bytes. */
-async function drop(on, selector, files) {
-  const given = await Promise.all(
-    files.map(async (file) => {
-      const { name, bytes } = typeof file === 'string' ? { name: file, bytes: await readFile(join(samples, file)) } : file;
-      return { name, base64: bytes.toString('base64') };
-    }),
-  );
-  const transfer = await on.evaluateHandle((list) => {
-    const data = new DataTransfer();
-    for (const { name, base64 } of list) {
-      // One file is the same each time only if it is as old.
-      data.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], name, { lastModified: 0 }));
-    }
-    return data;
-  }, given);
-  for (const type of ['dragenter', 'dragover', 'drop']) await on.dispatchEvent(selector, type, { dataTransfer: transfer });
-}
-
 const mapOf = (on) =>
   on.evaluate(() => {
     const { targetOf, confidence, reverse } = window.geose.match;
@@ -579,17 +555,6 @@ const mapOf = (on) =>
 async function centre(on, selector, across, down) {
   const { x, y, width, height } = await on.locator(selector).boundingBox();
   return [x + across * width, y + down * height];
-}
-
-/** The pixels of both views once what was asked for is drawn. */
-async function stageOf(on) {
-  await on.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-  return on.locator('#stage').screenshot();
-}
-
-async function exported(on, button, encoding) {
-  const [download] = await Promise.all([on.waitForEvent('download'), on.click(button)]);
-  return readFile(await download.path(), encoding);
 }
 
 const unmatched = 0xffffffff;

@@ -1,8 +1,8 @@
 import { UNMATCHED, type PreparedShape } from 'geose-fmap';
 import type { AppState, Scan } from '../app-state';
 import { directionFrom } from '../match-direction';
+import { withoutPartner } from '../set-aside';
 import type { Side } from '../side';
-import { displayFrame } from '../views/display-frame';
 import { fromHex, type LinearRgb } from './colour-space';
 import { eigenfunctionOf } from './eigenfunction';
 import { partPalette } from './part-palette';
@@ -10,14 +10,16 @@ import { placeColours } from './place-colours';
 import { diverging, sequential } from './ramp';
 import { partNames, partsOf } from './scan-parts';
 
-/** Grey for what has no answer: unmatched points, parts not known. */
+/** Grey for what has no answer: points without a match, parts not known. */
 export const unknownColour: LinearRgb = fromHex('#8d9096');
 const plainColour: LinearRgb = fromHex('#c3c7cd');
 
-/** Writes the colours that the state asks for into `colours`: linear RGB per point of one scan. */
+/** Writes the colours that the state asks for into `colours`: linear RGB per point of one scan. What was set aside is grey in all of them. */
 export function paintScan(state: AppState, side: Side, colours: Float32Array): void {
   const colourOf = colouring(state, side);
+  const scan = state.scans[side];
   for (let i = 0; 3 * i < colours.length; i++) colours.set(colourOf(i), 3 * i);
+  if (scan) for (const i of withoutPartner(scan)) colours.set(unknownColour, 3 * i);
 }
 
 type Colouring = (index: number) => ArrayLike<number>;
@@ -68,7 +70,7 @@ const placesKept = new WeakMap<PreparedShape, Float32Array>();
 function placesOf(scan: Scan): Float32Array {
   const kept = placesKept.get(scan.shape);
   if (kept) return kept;
-  const places = placeColours(displayFrame(scan));
+  const places = placeColours(scan);
   placesKept.set(scan.shape, places);
   return places;
 }

@@ -12,11 +12,12 @@ export function mapAsCsv({ match }: Result): string {
 
 /** The same with what it was made from; `target` is null where there is none. */
 export function mapAsJson({ match, choices, landmarks }: Result, a: Scan, b: Scan): string {
-  const scan = ({ source, shape, choices: prepared }: Scan): object => ({
+  const scan = ({ source, shape, choices: prepared, whole }: Scan): object => ({
     name: source.name,
     points: shape.info.points,
     kind: shape.info.kind,
-    prepared,
+    prepared: { ...prepared, ...(whole && { wholeScan: true }) },
+    repairs: shape.repairs,
   });
   const { device, category, warnings, weights } = match.report;
   const map = Array.from(match.targetOf, (target, source) => ({

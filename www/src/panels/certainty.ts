@@ -1,7 +1,8 @@
 import type { AppState, AppStore } from '../app-state';
 import { certaintyOf, type Certainty } from '../certainty';
 import { byId, create } from '../dom';
-import { asSentence, capital, lengthOn, percent } from '../sentences';
+import { capital, lengthOn, percent } from '../sentences';
+import { coded } from './coded';
 
 /** How sure the match is of itself, and what the package warns of. */
 export function showCertainty(store: AppStore): void {
@@ -43,6 +44,6 @@ function warningPart({ result }: AppState): Node[] {
   const warnings = result?.match.report.warnings ?? [];
   if (warnings.length === 0) return [];
   const list = create('ul', { className: 'warnings' });
-  list.append(...warnings.map(({ message }) => create('li', { textContent: asSentence(message) })));
+  list.append(...warnings.map((warning) => coded('li', warning)));
   return [list];
 }

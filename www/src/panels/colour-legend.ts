@@ -6,6 +6,7 @@ import { placeColour } from '../colour/place-colours';
 import { diverging, sequential } from '../colour/ramp';
 import { partNames, partsOf } from '../colour/scan-parts';
 import { byId, create } from '../dom';
+import { withoutPartner } from '../set-aside';
 import { letter, sides } from '../side';
 
 /** The colour menu and what the colours mean. */
@@ -32,7 +33,7 @@ export function showColours(store: AppStore): void {
       input.max = most;
       if (input.valueAsNumber !== state.eigenfunction) input.value = String(state.eigenfunction);
     }
-    place.replaceChildren(...draw(legendOf(state)));
+    place.replaceChildren(...draw(legendOf(state)), ...wordsOnGrey(state));
   });
 }
 
@@ -56,6 +57,13 @@ function legendOf(state: AppState): Legend {
     case 'plain':
       return words('');
   }
+}
+
+/** Where the legend itself does not say what grey is, though there is some. */
+function wordsOnGrey({ colour, result, scans }: AppState): Node[] {
+  const told = result !== null && (colour === 'correspondence' || colour === 'confidence');
+  const grey = sides.some((side) => scans[side] && withoutPartner(scans[side]).size > 0);
+  return grey && !told ? [create('p', { className: 'facts', textContent: 'Grey was set aside as no part of the body.' })] : [];
 }
 
 const origin = { given: 'given with the scan', predicted: 'predicted by the network' } as const;

@@ -1,8 +1,9 @@
 import type { AppStore } from '../app-state';
 import { byId, create } from '../dom';
+import { gather } from '../gltf-files';
 import { emptySide, folderRemark, planIntake } from '../intake-plan';
 import { samplePair, type Samples } from '../samples';
-import { fromAddress, fromFile, type ScanSource } from '../scan-source';
+import { fromAddress, type ScanSource } from '../scan-source';
 import { sides, type Side } from '../side';
 
 /** The ways in: dropping, choosing a file, picking a sample. */
@@ -11,27 +12,32 @@ export function takeScans(
   load: (loads: readonly (readonly [Side, ScanSource])[]) => void,
   samples: Promise<Samples>,
 ): void {
-  const take = (side: Side, sources: readonly ScanSource[]): void => {
-    const { loads, remark } = planIntake(store.get(), side, sources);
+  /** Without a side a lone scan goes where there is room. */
+  const take = (side: Side | null, sources: readonly ScanSource[], remarks: readonly string[] = []): void => {
+    const { loads, remark } = planIntake(store.get(), side ?? (sources.length > 1 ? 'a' : emptySide(store.get())), sources, remarks);
     store.set({ remark });
     if (loads.length > 0) load(loads);
   };
-  const takeDropped = (side: Side, { files, folders }: Dropped): void => {
+  const takeFiles = async (side: Side | null, files: readonly File[]): Promise<void> => {
+    const { sources, remarks } = await gather(files);
+    take(side, sources, remarks);
+  };
+  const takeDropped = (side: Side | null, { files, folders }: Dropped): void => {
     if (files.length === 0 && folders[0]) store.set({ remark: folderRemark(folders[0]) });
-    else take(side, files.map(fromFile));
+    else void takeFiles(side, files);
   };
   for (const side of sides) {
     const input = byId(`file-${side}`, HTMLInputElement);
     input.multiple = true;
     input.addEventListener('change', () => {
-      if (input.files?.length) take(side, [...input.files].map(fromFile));
+      if (input.files?.length) void takeFiles(side, [...input.files]);
       // The same file again is a wish, too: without this the browser would not tell.
       input.value = '';
     });
     for (const id of [`drop-${side}`, `view-${side}`]) acceptDrops(byId(id, HTMLElement), (dropped) => takeDropped(side, dropped));
   }
-  // Beside the two zones a lone file goes where there is room; nothing ever replaces the page itself.
-  acceptDrops(document.documentElement, (dropped) => takeDropped(dropped.files.length > 1 ? 'a' : emptySide(store.get()), dropped));
+  // Beside the two zones, too: nothing ever replaces the page itself.
+  acceptDrops(document.documentElement, (dropped) => takeDropped(null, dropped));
   void samples.then((list) => offerSamples(store, take, list));
 }
 

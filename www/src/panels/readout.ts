@@ -3,6 +3,7 @@ import { byId } from '../dom';
 import { partsOf } from '../colour/scan-parts';
 import { directionFrom, partnerOf } from '../match-direction';
 import { capital, count } from '../sentences';
+import { withoutPartner } from '../set-aside';
 import { letter, opposite, sides, type Side } from '../side';
 
 /** The point under the finger and its match in numbers and words; the numbers can be typed. */
@@ -68,8 +69,9 @@ function partWords({ scans }: AppState, { side, index }: Selection): string {
   return parts.source === 'given' ? ` ${name}, as given.` : ` ${name}, says the network, at ${parts.likelihood(index).toFixed(2)}.`;
 }
 
-function matchWords({ result }: AppState, { side, index }: Selection): string {
+function matchWords({ result, scans }: AppState, { side, index }: Selection): string {
   const here = `Point ${index} of ${letter(side)}`;
+  if (scans[side] && withoutPartner(scans[side]).has(index)) return `${here} was set aside as no part of the body, and has no match.`;
   if (!result) return `${here}.`;
   const partner = partnerOf(result.match, side, index);
   if (partner === null) return `${here} has no match on ${letter(opposite(side))}: nothing there resembles it enough.`;

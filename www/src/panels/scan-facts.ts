@@ -1,8 +1,9 @@
 import type { AppStore, Scan } from '../app-state';
 import { partsOf } from '../colour/scan-parts';
 import { byId, create } from '../dom';
-import { asSentence, count, counted } from '../sentences';
+import { count, counted } from '../sentences';
 import { letter, sides, type Side } from '../side';
+import { coded } from './coded';
 import { table } from './table';
 
 /** What was found out about each scan, and what had to be repaired. */
@@ -46,6 +47,6 @@ const laplacianWords = {
 function repairsOf(side: Side, { shape: { repairs } }: Scan): HTMLElement {
   if (repairs.length === 0) return create('p', { className: 'facts', textContent: `Nothing in ${letter(side)} had to be repaired.` });
   const summary = create('summary', {}, `${letter(side)}: ${counted(repairs.length, 'repair')}`);
-  const list = create('ul', {}, ...repairs.map((repair) => create('li', { textContent: asSentence(repair.message) })));
+  const list = create('ul', {}, ...repairs.map((repair) => coded('li', repair)));
   return create('details', { className: 'repairs', id: `repairs-${side}` }, summary, list);
 }
