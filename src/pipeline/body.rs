@@ -6,8 +6,9 @@
 
 use ndarray::Axis;
 
+use super::embedding::ask;
 use super::geometry::Carriers;
-use super::prepare::{ask, prepare_with_carriers};
+use super::scan::prepare_with_carriers;
 use super::surface::used_as;
 use super::{Error, PrepareOptions, PreparedShape};
 use crate::device::Device;

@@ -4,6 +4,7 @@ mod block;
 mod body;
 mod choice;
 mod contact;
+mod embedding;
 mod error;
 mod geometry;
 mod given;
@@ -15,21 +16,23 @@ mod prepare;
 mod prepared;
 mod processor;
 mod reliability;
+mod scan;
 mod surface;
 mod thinned;
 mod warnings;
 
 pub use block::BlockError;
 pub use choice::{DeviceChoice, DeviceError, DeviceInfo, DeviceKind, GpuUse};
+#[cfg(feature = "train")]
+pub(crate) use embedding::network_inputs;
 pub use error::{Error, Result};
 pub use matcher::Matcher;
 #[cfg(feature = "train")]
 pub(crate) use matching::match_with_cues;
 pub use matching::{Match, match_shapes, match_with};
 pub use options::{FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
-#[cfg(feature = "train")]
-pub(crate) use prepare::{network_inputs, prepare_with_carriers};
 pub use prepare::{prepare, prepare_with};
 pub use prepared::{Info, PreparedShape, ShapeKind};
 pub use processor::Processor;
+pub(crate) use scan::prepare_with_carriers;
 pub use warnings::Warning;

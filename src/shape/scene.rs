@@ -69,6 +69,9 @@ pub fn proposals(shape: &Shape, aside: &[u32]) -> Vec<Proposal> {
     found
 }
 
+/// A place on the surface, and the uploaded point that stands for it.
+type Sample = ([f64; 3], u32);
+
 /// Evenly spread points of a scan.
 struct Scene {
     places: Vec<[f64; 3]>,
@@ -84,7 +87,8 @@ impl Scene {
     fn new(shape: &Shape, aside: &[u32]) -> Self {
         let kept = |i: u32| aside.binary_search(&i).is_err();
         let n = shape.points().len();
-        let (spacing, all, piece): (f64, Vec<([f64; 3], u32)>, Vec<u32>);
+        let (spacing, piece): (f64, Vec<u32>);
+        let all: Vec<Sample>;
         if shape.faces().is_empty() {
             let points: Vec<u32> = (0..n as u32)
                 .filter(|&i| kept(i) && shape.first_at_place()[i as usize] == i)
@@ -267,7 +271,7 @@ impl Scene {
 }
 
 /// The spacing at which some thousand points would cover a cloud: by the cells of a grid that it fills.
-fn spacing_of(points: &[([f64; 3], u32)]) -> f64 {
+fn spacing_of(points: &[Sample]) -> f64 {
     let side = |c: usize| {
         let (low, high) = points
             .iter()
@@ -287,7 +291,7 @@ fn spacing_of(points: &[([f64; 3], u32)]) -> f64 {
 }
 
 /// The first point in each cell of a grid, and for every point, ascending, the one in its cell.
-fn one_per_cell(points: &[([f64; 3], u32)], side: f64) -> (Vec<[f64; 3]>, Vec<(u32, u32)>) {
+fn one_per_cell(points: &[Sample], side: f64) -> (Vec<[f64; 3]>, Vec<(u32, u32)>) {
     let mut cells: BTreeMap<[i64; 3], u32> = BTreeMap::new();
     let mut places = Vec::new();
     let mut of: Vec<(u32, u32)> = points

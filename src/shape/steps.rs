@@ -4,8 +4,10 @@ use super::repair::Repair;
 
 /// Steps up to this part of the spacing of the points do no harm.
 const HARMLESS: f64 = 0.1;
-/// A grid of points has steps as wide as its spacing along two axes, and loses nothing by it. Wider ones are no grid's.
-const WIDER_THAN_A_GRID: f64 = 1.5;
+/// A grid of points has steps about as wide as its spacing, and loses nothing by it.
+const OF_A_GRID: std::ops::Range<f64> = 0.7..1.5;
+/// A step is a power of ten within this part of it.
+const ROUND: f64 = 1e-3;
 /// Points looked at, evenly taken from all: fewer of them show a step as well.
 const LOOKED_AT: usize = 20_000;
 
@@ -24,15 +26,20 @@ pub fn coarse_steps(points: &[[f64; 3]]) -> Option<(f64, f64)> {
     let spacing = (area / points.len() as f64).sqrt();
     let single = points.iter().flatten().all(|&x| f64::from(x as f32) == x);
     let steps: [f64; 3] = std::array::from_fn(|c| step(points, c));
-    let coarse: Vec<f64> = steps.into_iter().filter(|&step| step > HARMLESS * spacing).collect();
-    let widest = coarse.iter().copied().fold(0.0, f64::max);
+    let coarse = || steps.into_iter().filter(|&step| step > HARMLESS * spacing);
+    let widest = coarse().fold(0.0, f64::max);
+    // Digits end at a power of ten, at the same along every axis.
+    let digit = 10.0_f64.powf(widest.log10().round());
+    let of_digits = widest > 0.0
+        && !OF_A_GRID.contains(&(widest / spacing))
+        && coarse().all(|step| (step / digit - 1.0).abs() < ROUND);
     // The step of single precision at the far end of an axis.
     let of_precision = (0..3).any(|c| {
         let reach = (low[c].abs().max(high[c].abs())) as f32;
         let ulp = f64::from(f32::from_bits(reach.to_bits() + 1)) - f64::from(reach);
         single && steps[c] > HARMLESS * spacing && steps[c] <= 2.0 * ulp
     });
-    (coarse.len() == 3 || widest > WIDER_THAN_A_GRID * spacing || of_precision).then_some((widest, spacing))
+    (of_digits || of_precision).then_some((widest, spacing))
 }
 
 /// The narrowest gap between different coordinates along an axis.
@@ -88,7 +95,8 @@ mod tests {
             (moved(far, |x| x), false),
             (moved(far, |x| (x * 1000.0).round() / 1000.0), false),
             (moved(far, |x| (x * 10.0).round() / 10.0), true),
-            (moved([0.0; 3], |x| (x * 50.0).round() / 50.0), true),
+            (moved([0.0; 3], |x| (x * 100.0).round() / 100.0), true),
+            (moved([0.0; 3], |x| (x * 40.0).round() / 40.0), false),
         ] {
             assert_eq!(coarse_steps(&cloud).is_some(), coarse, "{:?}", cloud[0]);
         }

@@ -225,8 +225,8 @@ fn times(s: &mut Sample, factor: f64) {
 #[rustfmt::skip]
 const CLAUSES: [Clause; 22] = [
     ("a good scan", |_| {}, [Fine, Fine, Fine]),
-    ("NaN", |s| s.points[7][1] = f64::NAN, [Refused(&["not-finite"]), Refused(&["not-finite"]), Refused(&["not-finite"])]),
-    ("infinity", |s| s.points[7][2] = f64::NEG_INFINITY, [Refused(&["not-finite"]), Refused(&["not-finite"]), Refused(&["not-finite"])]),
+    ("NaN", |s| s.points[7][1] = f64::NAN, [Refused(&["not-finite"]), Refused(&["not-finite"]), Said("points-without-place", 1)]),
+    ("infinity", |s| s.points[7][2] = f64::NEG_INFINITY, [Refused(&["not-finite"]), Refused(&["not-finite"]), Said("points-without-place", 1)]),
     ("no points", |s| *s = Sample { points: vec![], faces: vec![] }, [
         Refused(&["too-few-points", "missing-element", "empty-file", "malformed-file"]),
         Refused(&["missing-element"]),

@@ -1,0 +1,103 @@
+//! What the networks make of a shape.
+
+use std::ops::Range;
+
+use ndarray::{Array2, s};
+
+use super::geometry::Carriers;
+use super::{Error, PreparedShape};
+use crate::device::{Cpu, Device, Interrupted, still_well};
+use crate::network::{InputConfig, Model, PointEmbedding, ShapeInputs, TrainedNetwork};
+use crate::operators::{EdgeFilter, gradient_around};
+use crate::progress::{Cancelled, Progress, Stage};
+
+/// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with.
+pub(super) async fn ask<D: Device>(
+    model: &Model<D>,
+    prepared: &mut PreparedShape,
+    carriers: &Carriers,
+    filter: Option<EdgeFilter<'_>>,
+    share: Range<f64>,
+    progress: &mut Progress<'_>,
+) -> Result<(), Error> {
+    progress.at(Stage::Features, share.start)?;
+    prepared.embeddings.clear();
+    for (index, trained) in model.networks().iter().enumerate() {
+        let inputs = {
+            // Gradients ask for a graph again, but a listener is not told of a stage twice.
+            let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
+            network_inputs(prepared, carriers, filter, &trained.weights().config.input(), &mut within)
+                .map_err(|_| Cancelled { stage: Stage::Features })?
+        };
+        progress.at(Stage::Features, share.end)?;
+        let embedding = match embed(model.device(), trained, &inputs).await {
+            Ok(embedding) => embedding,
+            Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+            Err(interrupted) => {
+                prepared.info.fallback = interrupted.fallback();
+                model.on_cpu().networks()[index].embed(&Cpu, &inputs).await
+            }
+        };
+        if !embedding.is_finite() {
+            return Err(Error::NotFinite { what: "what the network says of a scan".to_owned() });
+        }
+        prepared.embeddings.push(embedding);
+    }
+    prepared.embeddings.sort_by(|x, y| rank(x).0.cmp(&rank(y).0).then(rank(y).1.total_cmp(&rank(x).1)));
+    Ok(())
+}
+
+/// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
+/// parts of the shape are more certain than the category asks for.
+fn rank(embedding: &PointEmbedding) -> (u8, f64) {
+    let share = 1.0 / embedding.parts.nrows().max(1) as f64;
+    let margin = embedding.certainty(std::iter::repeat(share)) - embedding.category.thresholds.certainty;
+    let place = match (embedding.category.knows_others(), margin >= 0.0) {
+        (true, true) => 0,
+        (false, _) => 1,
+        (true, false) => 2,
+    };
+    (place, margin)
+}
+
+async fn embed<D: Device>(
+    device: &D,
+    trained: &TrainedNetwork<D::Tensor>,
+    inputs: &ShapeInputs,
+) -> Result<PointEmbedding, Interrupted> {
+    let embedding = trained.embed(device, inputs).await;
+    still_well(device, Stage::Features)?;
+    if embedding.is_finite() { Ok(embedding) } else { Err(Interrupted::NotFinite(Stage::Features)) }
+}
+
+/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`.
+pub(crate) fn network_inputs(
+    prepared: &PreparedShape,
+    carriers: &Carriers,
+    filter: Option<EdgeFilter>,
+    config: &InputConfig,
+    progress: &mut Progress,
+) -> Result<ShapeInputs, Cancelled> {
+    let matchable = prepared.matchable();
+    let gradient = gradient_around(&carriers.shape, &carriers.neighbourhood, filter, progress)?;
+    let k = config.eigenpairs.min(prepared.basis.k());
+    let unit_area = prepared.basis.mass.sum();
+    let rows: Vec<usize> = match &prepared.support.used {
+        Some(used) => used.iter().map(|&carrier| carrier as usize).collect(),
+        None => (0..prepared.basis.len()).collect(),
+    };
+    // Φ grows with √area and ∂ with it once more when lengths are measured in √area.
+    let scale = unit_area.sqrt() * prepared.info.scale;
+    let gradients = gradient.along.map(|along| {
+        let mut out = Array2::zeros((rows.len(), k));
+        for (mut out, &i) in out.rows_mut().into_iter().zip(&rows) {
+            for (j, &g) in along.outer_view(i).iter().flat_map(|row| row.iter()) {
+                let phi = prepared.basis.eigenvectors.slice(s![j, ..k]);
+                out.zip_mut_with(&phi, |out, phi| *out += (g * phi * scale) as f32);
+            }
+        }
+        out
+    });
+    let [along, across] = &gradients;
+    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), config))
+}
