@@ -34,5 +34,6 @@ pub use options::{FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 pub use prepare::{prepare, prepare_with};
 pub use prepared::{Info, PreparedShape, ShapeKind};
 pub use processor::Processor;
+#[cfg(feature = "train")]
 pub(crate) use scan::prepare_with_carriers;
 pub use warnings::Warning;
