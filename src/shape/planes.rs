@@ -57,15 +57,18 @@ pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) 
         let Some((_, seed)) = best.filter(|&(count, _)| count as f64 >= LEAST * n as f64) else { break };
         // Fitted anew to what lies on it, twice: the first comes from a few points.
         let (mut normal, mut offset) = (normals[seed], dot(normals[seed], points[seed]));
+        let first: Vec<usize> = on_plane(normal, offset).collect();
         for _ in 0..2 {
             let (fitted, middle) = plane_of(on_plane(normal, offset).map(|i| points[i]));
             (normal, offset) = (fitted, dot(fitted, middle));
         }
         let on: Vec<u32> = on_plane(normal, offset).map(|i| i as u32).collect();
         let patch = largest_together(&on, neighbours);
-        // What was looked at is not looked at again.
+        // What was looked at is not looked at again, also where hardly a point lies on the plane that was fitted.
         on.iter().for_each(|&i| free[i as usize] = false);
-        free[seed] = false;
+        if (on.len() as f64) < LEAST * n as f64 {
+            first.iter().for_each(|&i| free[i] = false);
+        }
         if patch.len() as f64 >= LEAST * n as f64 {
             let squares = patch.iter().map(|&i| (dot(normal, points[i as usize]) - offset).powi(2));
             let roughness = (squares.sum::<f64>() / patch.len() as f64).sqrt();

@@ -52,9 +52,22 @@ impl Resampled {
     }
 }
 
-/// The faces of a welded shape halved until no edge is longer than `longest`. Both faces at an edge are cut at one new point, so what hung together still does.
+/// Pieces that long edges alone may make of a surface, as a multiple of those that its area makes.
+const SLIVERS: f64 = 8.0;
+/// Pieces that every surface may be cut into.
+const FEW: f64 = 4000.0;
+
+/// The faces of a welded shape halved until no edge is longer than `longest`, or than what slivers, which have long edges and hardly any area, can be cut to in a
+/// number of pieces that goes with the area. Both faces at an edge are cut at one new point, so what hung together still does.
 pub fn resampled(shape: &Shape, longest: f64) -> Resampled {
     let n = shape.points().len();
+    let longest_side = |&[a, b, c]: &[u32; 3]| {
+        let [a, b, c] = [a, b, c].map(|i| shape.points()[i as usize]);
+        [(a, b), (b, c), (c, a)].map(|(p, q)| squared_distance(p, q)).into_iter().fold(0.0, f64::max).sqrt()
+    };
+    let long: f64 = shape.faces().iter().map(longest_side).filter(|&side| side > longest).sum();
+    let pieces = (shape.surface_area() / (longest * longest)).max(FEW);
+    let longest = longest.max(long / (SLIVERS * pieces));
     let mut points = shape.points().to_vec();
     let mut stands_for: Vec<u32> = Vec::new();
     let mut faces = shape.faces().to_vec();
@@ -67,9 +80,12 @@ pub fn resampled(shape: &Shape, longest: f64) -> Resampled {
         for [a, b, c] in faces {
             let mut middle = |i: u32, j: u32| {
                 let [p, q] = [i, j].map(|corner| points[corner as usize]);
-                (squared_distance(p, q) > squared).then(|| {
+                let between: [f64; 3] = std::array::from_fn(|x| 0.5 * (p[x] + q[x]));
+                // Between neighbouring numbers there is none.
+                let cut = squared_distance(p, q) > squared && between != p && between != q;
+                cut.then(|| {
                     *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
-                        points.push(std::array::from_fn(|x| 0.5 * (p[x] + q[x])));
+                        points.push(between);
                         let end = i.min(j);
                         stands_for.push((end as usize).checked_sub(n).map_or(end, |added| stands_for[added]));
                         points.len() as u32 - 1
@@ -100,6 +116,24 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::{Shape, resampled};
+
+    #[test]
+    fn slivers_are_cut_into_no_more_pieces_than_their_area_asks_for() {
+        for width in [0.0, 1e-12, 1e-6, 1e-3] {
+            let points = (0..60).map(|i| [1e6 * f64::from(i / 2), width * f64::from(i % 2), 0.0]).collect();
+            let strip = Shape::already_valid(points, (0..58).map(|i| [i, i + 1, i + 2]).collect(), None);
+            let longest = (strip.surface_area() / 4000.0).sqrt();
+            assert!(resampled(&strip, longest).shape.points().len() < 200_000, "{width}");
+        }
+    }
+
+    #[test]
+    fn edges_between_neighbouring_numbers_are_not_cut() {
+        let points = (0..64).map(|i| [1e16 + f64::from(2 * (i % 8)), 1e16 + f64::from(2 * (i / 8)), 0.0]).collect();
+        let faces = (0..55).flat_map(|i| [[i, i + 1, i + 9], [i, i + 9, i + 8]]).collect();
+        let sheet = Shape::already_valid(points, faces, None);
+        assert!(resampled(&sheet, 0.01).shape.points().len() < 10_000);
+    }
 
     #[test]
     fn a_box_of_twelve_triangles_becomes_a_fine_closed_one_of_the_same_area() {
