@@ -42,7 +42,8 @@ impl<'l> Pencil<'l> {
             Side::Lower,
             SymmetricOrdering::Amd,
             CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                // FORCE_SUPERNODAL is 0, which a matrix without an entry beside the diagonal does not exceed.
+                supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
                 ..Default::default()
             },
         )
@@ -123,5 +124,25 @@ fn supernodal<'a>(symbolic: &'a SymbolicCholesky<usize>, values: &'a [f64]) -> S
     match symbolic.raw() {
         SymbolicCholeskyRaw::Supernodal(symbolic) => SupernodalLdltRef::new(symbolic, values),
         SymbolicCholeskyRaw::Simplicial(_) => unreachable!("supernodes were asked for"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::borrow::Cow;
+
+    use sprs::CsMat;
+
+    use super::Pencil;
+
+    #[test]
+    fn a_matrix_without_an_entry_beside_the_diagonal_is_factored_too() {
+        let pencil = Pencil::new(Cow::Owned(CsMat::eye(50)), Cow::Owned(vec![1.0; 50])).expect("a pencil");
+        let mut factor = pencil.factor(1.0).expect("a factor");
+        let mut right = faer::Mat::from_fn(50, 3, |i, _| i as f64);
+        factor.solve(right.as_mut());
+        assert!((0..50).all(|i| right[(i, 2)] == 0.5 * i as f64));
+        assert_eq!(factor.negative_pivots(), 0);
+        assert_eq!(pencil.factor(-2.0).expect("a factor").negative_pivots(), 50);
     }
 }
