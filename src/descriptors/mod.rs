@@ -9,6 +9,7 @@ use ndarray::Array2;
 
 pub(crate) use heat_kernel::heat_kernel_signature;
 pub use sampled_surface::SampledSurface;
+pub(crate) use wave_kernel::ENERGIES;
 pub use wave_kernel::wave_kernel_signature;
 
 /// Descriptors (n, c), one row per point used. Each column has mean 0 and mean square 1 under the mass, so that columns weigh alike.

@@ -6,7 +6,7 @@ use super::PointFeatures;
 use crate::spectrum::SpectralBasis;
 
 /// Energies sampled, logarithmic in λ.
-const ENERGIES: usize = 32;
+pub(crate) const ENERGIES: usize = 32;
 /// Width of an energy band in steps between energies. The authors take 7 of their 100 steps; of 32, bands are three times as wide and overlap more.
 const WIDTH: f64 = 7.0;
 

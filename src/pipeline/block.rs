@@ -10,8 +10,9 @@ use safetensors::tensor::{Dtype, SafeTensors, View, serialize};
 
 use super::prepared::likeliest_parts;
 use super::{Info, PreparedShape};
-use crate::descriptors::SampledSurface;
+use crate::descriptors::{ENERGIES, SampledSurface};
 use crate::network::{Category, PointEmbedding, WeightsId};
+use crate::read::shortened;
 use crate::shape::{Repair, Resampled, Shape, Support};
 use crate::spectrum::SpectralBasis;
 
@@ -20,7 +21,7 @@ const FORMAT: &str = "geose-prepared 7";
 
 /// Bytes that are not a prepared shape.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("these bytes are not a prepared shape: {0}")]
+#[error("these bytes are not a prepared shape: {}", shortened(.0))]
 pub struct BlockError(String);
 
 impl BlockError {
@@ -131,21 +132,22 @@ impl PreparedShape {
         let f64s = |name: &str| values::<f64>(&block, name, Dtype::F64);
         let optional = |name: &str| block.names().contains(&name).then(|| u32s(name)).transpose();
 
-        let points: Vec<[f64; 3]> = f64s("positions")?.as_chunks::<3>().0.to_vec();
-        let faces: Vec<[u32; 3]> = u32s("faces")?.as_chunks::<3>().0.to_vec();
+        let points: Vec<[f64; 3]> = rows("positions", f64s("positions")?)?;
+        let faces: Vec<[u32; 3]> = rows("faces", u32s("faces")?)?;
         let placeless = optional("placeless")?.unwrap_or_default();
         let shape = Shape::already_valid(points, faces, optional("labels")?);
         let (eigenvalues, mass) = (Array1::from(f64s("eigenvalues")?), Array1::from(f64s("mass")?));
         let matrix = |e: ndarray::ShapeError| BlockError(e.to_string());
         let eigenvectors =
             Array2::from_shape_vec((mass.len(), eigenvalues.len()), f64s("eigenvectors")?).map_err(matrix)?;
+        let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
         let features = values::<f32>(&block, "features", Dtype::F32)?;
         let coarse = u32s("coarse")?;
         let surface = SampledSurface {
-            normals: f64s("normals")?.as_chunks::<3>().0.to_vec(),
+            normals: rows("normals", f64s("normals")?)?,
             oriented: text("oriented")? == "true",
             cell: u32s("cell")?,
-            adjacent: u32s("adjacent")?.as_chunks::<2>().0.to_vec(),
+            adjacent: rows("adjacent", u32s("adjacent")?)?,
         };
         let support = Support {
             carriers: optional("carriers")?,
@@ -156,7 +158,8 @@ impl PreparedShape {
         };
         let below = |indices: &[u32], limit: usize| indices.iter().all(|&i| (i as usize) < limit);
         let uploaded = shape.points().len();
-        let sound = below(shape.faces().as_flattened(), uploaded)
+        let sound = shape.points().as_flattened().iter().all(|c| c.is_finite())
+            && below(shape.faces().as_flattened(), uploaded)
             && shape.labels().is_none_or(|labels| labels.len() == uploaded)
             && below(&placeless, uploaded)
             && placeless.is_sorted();
@@ -167,15 +170,15 @@ impl PreparedShape {
         let resampled = match optional("standsFor")? {
             None => None,
             Some(stands_for) => {
-                let added = f64s("added")?.as_chunks::<3>().0.to_vec();
-                let faces = u32s("resampledFaces")?.as_chunks::<3>().0.to_vec();
+                let added = rows("added", f64s("added")?)?;
+                let faces = rows("resampledFaces", u32s("resampledFaces")?)?;
                 Some(
                     Resampled::from_tables(&shape, added, faces, stands_for)
                         .ok_or_else(|| fail("its surface is another"))?,
                 )
             }
         };
-        let (n, carriers) = (uploaded + resampled.as_ref().map_or(0, |found| found.stands_for.len()), mass.len());
+        let (n, carriers) = (uploaded + resampled.as_ref().map_or(0, |found| found.stands_for.len()), basis.len());
         let p = support.points_used(n);
         let fits = |table: &Option<Vec<u32>>, length: usize, limit: usize| {
             table.as_ref().is_none_or(|table| table.len() == length && below(table, limit))
@@ -193,11 +196,13 @@ impl PreparedShape {
             && below(&surface.cell, coarse.len())
             && below(surface.adjacent.as_flattened(), coarse.len())
             && p > 0
-            && features.len() % p == 0;
+            && !coarse.is_empty()
+            && basis.k() > 0
+            && features.len() == p * ENERGIES;
         if !consistent {
             return Err(fail("its tables do not fit together"));
         }
-        let features = Array2::from_shape_vec((p, features.len() / p), features).map_err(matrix)?;
+        let features = Array2::from_shape_vec((p, ENERGIES), features).map_err(matrix)?;
         let learned = |name: &str| -> Result<Array2<f32>, BlockError> {
             let found = values::<f32>(&block, name, Dtype::F32)?;
             Array2::from_shape_vec((p, found.len() / p), found).map_err(matrix)
@@ -214,7 +219,6 @@ impl PreparedShape {
             }
             embeddings.push(PointEmbedding { weights, category: Arc::new(category), features, parts });
         }
-        let basis = SpectralBasis { eigenvalues, eigenvectors, mass };
         Ok(Self { shape, resampled, info, repairs, basis, support, coarse, surface, features, embeddings })
     }
 }
@@ -236,6 +240,14 @@ fn values<T: bytemuck::Pod>(block: &SafeTensors<'_>, name: &str, dtype: Dtype) -
         return Err(BlockError(format!("{name} has the wrong type")));
     }
     Ok(bytemuck::allocation::pod_collect_to_vec(tensor.data()))
+}
+
+/// Values in rows of `N`, all of them whole.
+fn rows<T: Copy, const N: usize>(name: &str, values: Vec<T>) -> Result<Vec<[T; N]>, BlockError> {
+    match values.as_chunks::<N>() {
+        (rows, []) => Ok(rows.to_vec()),
+        _ => Err(BlockError(format!("{name} are no rows of {N}"))),
+    }
 }
 
 /// A borrowed tensor on its way into the block.

@@ -279,6 +279,18 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
     text.chars().map(|c| if c.is_control() { '·' } else { c }).collect()
 }
 
+/// The beginning and the end of a sentence that may repeat a string of any length, as those about JSON do.
+pub(crate) fn shortened(text: &str) -> String {
+    const SHOWN: usize = 80;
+    let count = text.chars().count();
+    if count <= 2 * SHOWN {
+        return text.to_owned();
+    }
+    let (start, end): (String, String) =
+        (text.chars().take(SHOWN).collect(), text.chars().skip(count - SHOWN).collect());
+    format!("{start} … {end}")
+}
+
 fn decimal_comma(text: &str) -> &'static str {
     if text.contains(',') { " (decimals are written with a point)" } else { "" }
 }

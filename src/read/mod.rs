@@ -19,6 +19,7 @@ mod table;
 mod text;
 
 pub use error::ReadError;
+pub(crate) use error::shortened;
 pub use format::Format;
 pub use options::{Pose, ReadOptions};
 

@@ -87,3 +87,20 @@ fn megabytes_of_blank_lines_at_the_end_are_read_once() {
         assert!(survives((text + &blank).as_bytes(), name), "{name}");
     }
 }
+
+#[test]
+fn a_sentence_about_json_does_not_repeat_a_string_of_any_length() {
+    for document in [
+        format!("\"{}\"", "ä".repeat(100_000)),
+        format!("{{\"asset\": {{\"version\": \"2.0\"}}, \"nodes\": [\"{}\"]}}", "n".repeat(100_000)),
+    ] {
+        for (name, bytes) in [
+            ("a.gltf", document.clone().into_bytes()),
+            ("a.glb", crate::sample::glb(&serde_json::from_str(&document).unwrap(), &[])),
+        ] {
+            let sentence =
+                read(&bytes, Some(name), Some(name[2..].parse().unwrap())).expect_err("no document").to_string();
+            assert!(sentence.len() < 1000, "{name}: {} bytes", sentence.len());
+        }
+    }
+}

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::compressed::{self, Compressed, EXTENSIONS};
 use super::container::GLTF;
-use crate::read::error::{Place, ReadError};
+use crate::read::error::{Place, ReadError, shortened};
 use crate::read::options::Pose;
 use crate::shape::{Repair, counted};
 
@@ -45,7 +45,7 @@ pub(super) fn parse(json: &[u8], pose: Pose, room: usize) -> Result<Geometry, Re
     let json = json.trim_start_matches('\u{feff}').trim_end_matches(|c: char| c == '\0' || c.is_whitespace());
     let mut root: Value = serde_json::from_str(json).map_err(|e| ReadError::Malformed {
         format: GLTF,
-        problem: format!("its JSON cannot be read: {e}"),
+        problem: shortened(&format!("its JSON cannot be read: {e}")),
         at: Place::Line(e.line()),
     })?;
     // The first version kept its meshes by name.
@@ -70,7 +70,7 @@ pub(super) fn parse(json: &[u8], pose: Pose, room: usize) -> Result<Geometry, Re
 
     let problem = |problem: String, at: String| match &compression {
         Some(extension) => ReadError::UnsupportedExtension { extension: extension.clone() },
-        None => ReadError::Malformed { format: GLTF, problem, at: Place::Object(at) },
+        None => ReadError::Malformed { format: GLTF, problem: shortened(&problem), at: Place::Object(at) },
     };
     let root =
         gltf::json::deserialize::from_value(root).map_err(|e| problem(e.to_string(), "the document".to_owned()))?;
