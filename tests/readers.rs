@@ -4,6 +4,8 @@
 
 #[path = "readers/body_on_joints.rs"]
 mod body_on_joints;
+#[path = "readers/compressed_torus.rs"]
+mod compressed_torus;
 #[path = "readers/contract.rs"]
 mod contract;
 #[path = "readers/encodings.rs"]

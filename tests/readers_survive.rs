@@ -1,62 +1,25 @@
 //! Nothing a file can hold makes a reader panic, hang, or take memory that the file does not account for: valid files of every format,
 //! broken 2000 times each, always in the same ways.
 #![cfg(not(target_arch = "wasm32"))]
-#![allow(unsafe_code, reason = "memory is counted by an allocator, which is an unsafe trait")]
 
 #[path = "readers/body_on_joints.rs"]
 mod body_on_joints;
+#[path = "fuzzing/memory.rs"]
+mod memory;
+#[path = "fuzzing/mutation.rs"]
+mod mutation;
 #[path = "readers/sample.rs"]
 mod sample;
 mod shapes;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::panic::catch_unwind;
 use std::time::{Duration, Instant};
 
 use geose_fmap::read;
+use memory::peak_of;
+use mutation::broken;
 use sample::all_files;
 use shapes::Random;
-
-/// The system's allocator, with a tally of what the thread holds.
-struct Counting;
-
-thread_local! {
-    static HELD: Cell<isize> = const { Cell::new(0) };
-    static PEAK: Cell<isize> = const { Cell::new(0) };
-}
-
-/// Ignores threads that are going away.
-fn tally(change: isize) {
-    let _ = HELD.try_with(|held| {
-        held.set(held.get() + change);
-        let _ = PEAK.try_with(|peak| peak.set(peak.get().max(held.get())));
-    });
-}
-
-// SAFETY: every call goes on to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        tally(layout.size() as isize);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        tally(-(layout.size() as isize));
-        unsafe { System.dealloc(place, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// The most that `work` held at one time beyond what was held before, in bytes.
-fn peak_of<T>(work: impl FnOnce() -> T) -> (T, usize) {
-    let before = HELD.get();
-    PEAK.set(before);
-    let result = work();
-    (result, (PEAK.get() - before) as usize)
-}
 
 /// What reading a file of so many bytes may hold at one time.
 fn allowed(bytes: usize) -> usize {
@@ -131,75 +94,6 @@ fn unusual_files() -> Vec<(&'static str, Vec<u8>)> {
         ("wide.xyz", sample::xyz(&torus).encode_utf16().flat_map(u16::to_le_bytes).collect()),
         ("labels.ply", labels.into_bytes()),
     ]
-}
-
-/// Pieces that readers may stumble over.
-const PIECES: [&[u8]; 16] = [
-    b"4294967295",
-    b"-1",
-    b"9999999999999999999999",
-    b"\n",
-    b"\0",
-    b"nan",
-    b"1e400",
-    b" ",
-    b"{",
-    b"[",
-    b"list",
-    b"\"",
-    b"\\\n",
-    b",",
-    b";",
-    b"#",
-];
-
-/// One of the ways to break a file, named.
-fn broken(bytes: &[u8], random: &mut Random) -> (&'static str, Vec<u8>) {
-    let mut broken = bytes.to_vec();
-    // Half of the time near the beginning, where the counts and the structure are.
-    let place = |random: &mut Random, length: usize| match random.below(2) {
-        0 => random.below(length),
-        _ => random.below(length.min(900)),
-    };
-    let at = place(random, bytes.len());
-    let what = match random.below(6) {
-        0 => {
-            broken.truncate(at);
-            "truncated"
-        }
-        1 => {
-            for _ in 0..=random.below(8) {
-                let at = place(random, broken.len());
-                broken[at] = random.below(256) as u8;
-            }
-            "bytes changed"
-        }
-        2 => {
-            broken[at] ^= 1 << random.below(8);
-            "a bit flipped"
-        }
-        3 => {
-            let end = (at + 1 + random.below(600)).min(bytes.len());
-            let block = &bytes[at..end];
-            let to = place(random, bytes.len());
-            let times = 1 + random.below(20);
-            broken.splice(to..to, block.repeat(times));
-            "a block repeated"
-        }
-        4 => {
-            // Most of all where there are digits already: a count becomes a larger one.
-            let digit = (at..bytes.len()).find(|&i| bytes[i].is_ascii_digit()).unwrap_or(at);
-            let digits: Vec<u8> = (0..=random.below(20)).map(|_| b'0' + random.below(10) as u8).collect();
-            broken.splice(digit..digit, digits);
-            "digits inserted"
-        }
-        _ => {
-            let end = (at + random.below(6)).min(bytes.len());
-            broken.splice(at..end, PIECES[random.below(PIECES.len())].iter().copied());
-            "a piece replaced"
-        }
-    };
-    (what, broken)
 }
 
 #[test]
