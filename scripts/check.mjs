@@ -13,7 +13,10 @@ export async function check() {
   const node = environment(toolFolders);
   const clippy = (args, env) => run('cargo', ['clippy', '--quiet', '--locked', ...args, '--', '-D', 'warnings'], { env });
   const checks = {
-    'cargo fmt': () => run('cargo', ['fmt', '--check']),
+    'cargo fmt': () => {
+      run('cargo', ['fmt', '--check']);
+      run('cargo', ['fmt', '--check', '--manifest-path', 'fuzz/Cargo.toml']);
+    },
     // Types first: the package that they are of is made anew by suites that run beside this.
     'types of the package': compilePackage,
     'types of the page': () => run('tsc', ['--noEmit', '--project', 'www'], { env: node }),

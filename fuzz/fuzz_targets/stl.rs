@@ -1,0 +1,2 @@
+#![no_main]
+geose_fmap_fuzz::target!("stl");
