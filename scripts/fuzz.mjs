@@ -39,6 +39,12 @@ function ensureFuzzer() {
   });
 }
 
+/** Memory is counted by the targets themselves, and natively the crate has no unsafe code of its own: without a sanitizer they are several times as fast. */
+function cargoFuzz([command, ...names], rest = [], variables = {}) {
+  const env = environment(toolFolders, { CARGO_TARGET_DIR: path.join(root, 'target/fuzz'), ...variables });
+  run('rustup', ['run', 'nightly', 'cargo', 'fuzz', command, '--sanitizer', 'none', '--fuzz-dir', folder, ...names, ...rest], { env });
+}
+
 /** Runs a target; throws when an input breaks it. */
 function fuzz(name, minutes) {
   const corpus = path.join(folder, 'corpus', name);
@@ -52,11 +58,7 @@ function fuzz(name, minutes) {
     '-print_final_stats=1',
   ];
   if (existsSync(dictionary(name))) options.push(`-dict=${dictionary(name)}`);
-  const env = environment(toolFolders, { CARGO_TARGET_DIR: path.join(root, 'target/fuzz'), GEOSE_FUZZ_SEEDS: corpus });
-  // Memory is counted by the targets themselves, and the crate has no unsafe code: without a sanitizer it is several times as fast.
-  run('rustup', ['run', 'nightly', 'cargo', 'fuzz', 'run', '--sanitizer', 'none', '--fuzz-dir', folder, name, corpus, '--', ...options], {
-    env,
-  });
+  cargoFuzz(['run', name, corpus], ['--', ...options], { GEOSE_FUZZ_SEEDS: corpus });
 }
 
 await main(import.meta, (args) => {
@@ -67,6 +69,8 @@ await main(import.meta, (args) => {
   const unknown = positionals.filter((name) => !all.includes(name));
   if (unknown.length > 0) throw new Failure(`No such target: ${unknown.join(', ')}. There are ${all.join(', ')}.`);
   ensureFuzzer();
+  // A build that fails says so, and is no input that breaks a target.
+  cargoFuzz(['build']);
   const broken = [];
   for (const name of positionals.length > 0 ? positionals : all) {
     say(`${name}, ${minutes} minutes`);

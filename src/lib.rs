@@ -46,6 +46,9 @@
 //! | heat and wave kernel signatures | – | [`descriptors`] |
 //! | sampled surface: an even sampling, which samples are adjacent, normals | – | `descriptors/sampled_surface.rs` |
 //! | carriers: the points that a basis has rows for; points used: those that are matched; coarse: a farthest-point sampling of these | N of Sec. 4.1 | `shape/support.rs` |
+//! | seam, shell, resampled surface: a body in several surfaces made one | not in the paper | `shape/weld.rs`, `shape/shells.rs`, `shape/resampled.rs` |
+//! | stray, spike, placeless point; floor, furniture and other things: what is not the body | not in the paper | `shape/strays.rs`, `shape/spikes.rs`, `shape/scene.rs`; chosen in `pipeline/body.rs` |
+//! | reliability: how far a scan can be relied on before it is matched | – | `pipeline/reliability.rs` |
 //! | features F, DiffusionNet | Sec. 3.3 | `network/diffusion_net.rs` |
 //! | position encoding ψ(P) | Sec. 3.3 | `network/inputs.rs`; of maps without a network `registration/initial.rs` |
 //! | moments: inner and triple products with learned centres, by which left and right differ | not in the paper | `network/moments.rs` |

@@ -26,3 +26,19 @@ pub(crate) fn squared_distance(a: Vector, b: Vector) -> f64 {
     let d = minus(a, b);
     dot(d, d)
 }
+
+/// How far points reach along each axis; nothing reaches −∞.
+pub(crate) fn extents(points: impl IntoIterator<Item = Vector>) -> Vector {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in points {
+        for c in 0..3 {
+            (low[c], high[c]) = (low[c].min(p[c]), high[c].max(p[c]));
+        }
+    }
+    minus(high, low)
+}
+
+/// The longest side of the box around points; 0 around none.
+pub(crate) fn longest_side(points: impl IntoIterator<Item = Vector>) -> f64 {
+    extents(points).into_iter().fold(0.0, f64::max)
+}

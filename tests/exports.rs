@@ -58,8 +58,7 @@ fn folder(name: &str, b_is_mesh: bool) -> PathBuf {
 fn run(folder: &Path, output: &str) -> Output {
     Command::new(env!("CARGO_BIN_EXE_geose-fmap"))
         .current_dir(folder)
-        // What is about files leaves boxes whole: no network knows which of their sides is a floor.
-        .args(["match", "a.off", "b.off", "--eigenpairs", "20", "--whole-scan", "-o", output])
+        .args(["match", "a.off", "b.off", "--eigenpairs", "20", "-o", output])
         .output()
         .expect("the program")
 }

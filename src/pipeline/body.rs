@@ -19,6 +19,8 @@ use crate::shape::{LeftOut, Proposal, Repair, Shape, proposals};
 
 /// By so much more certain a network must be without something for it to be left out, and of a smaller thing than of a larger one.
 const MORE_CERTAIN: f64 = 0.02;
+/// Of things alone the body is not one that lacks parts: the coverage of its parts is not less than that of all things together by more than this.
+const LACKS: f64 = 0.1;
 /// Where no network is at home, a plane with at least this share of the area that all else lies on one side of is a floor all the same.
 const FLOOR: f64 = 0.15;
 /// Rounds: a floor and a second person are two.
@@ -80,9 +82,6 @@ pub(super) async fn body_of<D: Device>(
     best.0.repairs.extend(said);
     Ok(best)
 }
-
-/// Of things alone the body is not one that lacks parts: the coverage of its parts is not less than that of all things together by more than this.
-const LACKS: f64 = 0.1;
 
 /// Whether a network is more certain of one view of a scan than of another; where none is at home with either, whether what the one is without is a floor.
 fn is_better(one: &PreparedShape, other: &PreparedShape, without: &Proposal) -> bool {

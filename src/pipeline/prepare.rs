@@ -4,13 +4,14 @@ use super::body::{Scan, body_of};
 use super::contact::edges_between_limbs;
 use super::embedding::ask;
 use super::geometry::Geometry;
-use super::scan::{NOT_PROVED, extents, not_proved};
+use super::scan::{NOT_PROVED, not_proved};
 use super::{Error, PrepareOptions, PreparedShape, ShapeKind};
 use crate::device::Device;
 use crate::network::{Model, PointEmbedding};
 use crate::operators::EdgeFilter;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::{Repair, Shape, counted};
+use crate::vector::longest_side;
 
 /// Scan → graph → Laplacian → spectrum → features and parts, on the CPU with the weights that ship; on a cloud on which limbs touch from the graph on once more,
 /// limbs told apart by those parts.
@@ -87,7 +88,7 @@ pub async fn prepare_with<D: Device>(
 
 /// The unit in which the longest side of the scan's box is that of a body of the category, `shortest` to `longest` metres.
 fn unit(points: &[[f64; 3]], [shortest, longest]: [f64; 2]) -> Option<String> {
-    let side = extents(points).into_iter().fold(0.0, f64::max);
+    let side = longest_side(points.iter().copied());
     [("m", 1.0), ("cm", 100.0), ("mm", 1000.0)]
         .into_iter()
         .find(|(_, per_metre)| (shortest..longest).contains(&(side / per_metre)))

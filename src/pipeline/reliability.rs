@@ -2,6 +2,7 @@
 
 use super::geometry::Carriers;
 use crate::shape::{Repair, coarse_steps};
+use crate::vector::longest_side;
 
 /// A cloud is too thin where a point's eighth neighbour is farther away than this part of the longest side of its box.
 const THIN: f64 = 0.05;
@@ -30,12 +31,7 @@ fn thin_share(Carriers { shape, neighbourhood }: &Carriers, mass: &[f64]) -> f64
         return 0.0;
     }
     let points = shape.points();
-    let side = |c: usize| {
-        let along = points.iter().map(|p| p[c]);
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        high - low
-    };
-    let limit = THIN * (0..3).map(side).fold(0.0, f64::max);
+    let limit = THIN * longest_side(points.iter().copied());
     let neighbours = neighbourhood.neighbours();
     let far = |i: usize| neighbours.distances(i).get(NEIGHBOUR - 1).is_some_and(|&d| d > limit);
     let thin: f64 = (0..points.len()).filter(|&i| far(i)).map(|i| mass[i]).sum();

@@ -15,6 +15,7 @@ use crate::shape::{
     set_strays_aside, support,
 };
 use crate::spectrum::{SpectralBasis, SpectrumReport, check_size};
+use crate::vector::extents;
 
 /// Code of the repair that says that an eigenpair may be missing.
 pub(super) const NOT_PROVED: &str = "spectrum-not-proved";
@@ -144,18 +145,9 @@ fn pieces(laplacian: &Laplacian) -> usize {
     carries.into_iter().filter(|&carries| carries).count()
 }
 
-/// Extents along the three axes.
-pub(super) fn extents(points: &[[f64; 3]]) -> [f64; 3] {
-    std::array::from_fn(|c| {
-        let (low, high) =
-            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[c]), high.max(p[c])));
-        high - low
-    })
-}
-
 /// The axis along which the scan is much longer (by half) than along the others: that of somebody standing, and not of a quadruped.
 fn longest_axis(points: &[[f64; 3]]) -> Option<Axis> {
-    let extents = extents(points);
+    let extents = extents(points.iter().copied());
     [Axis::X, Axis::Y, Axis::Z]
         .into_iter()
         .enumerate()

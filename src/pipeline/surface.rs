@@ -16,7 +16,7 @@ pub(super) struct Surface {
 impl Surface {
     /// Without the points `aside` (ascending).
     pub(super) fn of(as_read: &Shape, aside: &[u32], options: &PrepareOptions, repairs: &mut Vec<Repair>) -> Self {
-        let mut shape = used_as(as_read, options.faces, repairs);
+        let shape = used_as(as_read, options.faces, repairs);
         let stays = |i: &u32| aside.binary_search(i).is_err();
         if shape.faces().is_empty() {
             let is_first =
@@ -24,25 +24,22 @@ impl Surface {
             let points = (0..shape.points().len() as u32).filter(is_first).filter(stays).collect();
             return Self { shape, resampled: None, points };
         }
-        let mut resampled = None;
-        let mut faces = shape.faces().to_vec();
+        let mut left = Left { shape, resampled: None };
+        let mut faces = left.shape.faces().to_vec();
         faces.retain(|face| face.iter().all(stays));
-        if faces.len() < shape.faces().len() {
-            let left = Resampled::without_added(&shape, faces);
-            shape = left.shape.clone();
-            resampled = Some(left);
+        if faces.len() < left.shape.faces().len() {
+            left.take(faces);
         }
-        if let Some(faces) = without_spikes(&shape) {
-            let cut = shape.faces().len() - faces.len();
+        if let Some(faces) = without_spikes(&left.shape) {
+            let cut = left.shape.faces().len() - faces.len();
             let message = format!(
                 "{} off the surface, as spikes to points that were measured wrongly and curtains between what is in front and what is behind do; left out",
                 counted(cut, "face leads", "faces lead")
             );
             repairs.push(Repair::noted("spikes-cut", cut, message));
-            let left = Resampled::without_added(&shape, faces);
-            shape = left.shape.clone();
-            resampled = Some(left);
+            left.take(faces);
         }
+        let Left { shape, resampled } = left;
         if options.laplacian.is_none()
             && let Some(Shells { surface, count, largest }) = shells(&shape, options.points)
         {
@@ -51,12 +48,26 @@ impl Surface {
                 100.0 * largest
             );
             repairs.push(Repair::noted("shells-joined", count, message));
-            let points = in_faces(&surface.shape);
-            shape = surface.shape.clone().without_faces();
-            return Self { shape, resampled: Some(surface), points };
+            let points = surface.shape.points_in_faces();
+            return Self { shape: surface.shape.clone().without_faces(), resampled: Some(surface), points };
         }
-        let points = in_faces(&shape);
+        let points = shape.points_in_faces();
         Self { shape, resampled, points }
+    }
+}
+
+/// What is left of a mesh.
+struct Left {
+    shape: Shape,
+    resampled: Option<Resampled>,
+}
+
+impl Left {
+    /// These faces and no others.
+    fn take(&mut self, faces: Vec<[u32; 3]>) {
+        let left = Resampled::without_added(&self.shape, faces);
+        self.shape = left.shape.clone();
+        self.resampled = Some(left);
     }
 }
 
@@ -66,7 +77,7 @@ pub(super) fn used_as(as_read: &Shape, faces: FaceUse, repairs: &mut Vec<Repair>
         return as_read.clone();
     }
     let placed = as_read.points().len() - as_read.placeless().len();
-    let in_faces = in_faces(as_read).len();
+    let in_faces = as_read.points_in_faces().len();
     match faces {
         FaceUse::Use if 2 * in_faces >= placed => as_read.welded(),
         FaceUse::Use => {
@@ -76,11 +87,4 @@ pub(super) fn used_as(as_read: &Shape, faces: FaceUse, repairs: &mut Vec<Repair>
         }
         FaceUse::Ignore => as_read.clone().without_faces(),
     }
-}
-
-/// Points that belong to a face, ascending.
-fn in_faces(shape: &Shape) -> Vec<u32> {
-    let mut used = vec![false; shape.points().len()];
-    shape.faces().iter().flatten().for_each(|&i| used[i as usize] = true);
-    (0..used.len() as u32).filter(|&i| used[i as usize]).collect()
 }

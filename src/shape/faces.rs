@@ -85,7 +85,7 @@ pub(super) fn notice_bare_points(points: usize, faces: &[[u32; 3]], placeless: &
     }));
 }
 
-fn used(points: usize, faces: &[[u32; 3]]) -> Vec<bool> {
+pub(super) fn used(points: usize, faces: &[[u32; 3]]) -> Vec<bool> {
     let mut used = vec![false; points];
     faces.iter().flatten().for_each(|&i| used[i as usize] = true);
     used

@@ -260,6 +260,12 @@ impl Shape {
         faces::agree(&self.faces)
     }
 
+    /// Points that belong to a face, ascending.
+    pub(crate) fn points_in_faces(&self) -> Vec<u32> {
+        let used = faces::used(self.points.len(), &self.faces);
+        (0..used.len() as u32).filter(|&i| used[i as usize]).collect()
+    }
+
     /// Sum of the triangle areas, in unit²; 0 for a cloud.
     pub fn surface_area(&self) -> f64 {
         0.5 * self.faces.iter().map(|&face| 2.0 * self.face_area(face)).sum::<f64>()

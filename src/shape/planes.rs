@@ -38,8 +38,11 @@ impl Patch {
 /// The flat patches among evenly spread `points`, `spacing` apart, largest first. Points of one patch hang together by `neighbours`.
 pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) -> Vec<Patch> {
     let n = neighbours.len();
+    fn at<'i>(points: &[[f64; 3]], of: impl Iterator<Item = &'i u32>) -> Vec<[f64; 3]> {
+        of.map(|&i| points[i as usize]).collect()
+    }
     let normals: Vec<[f64; 3]> =
-        (0..n).map(|i| plane_of(neighbours.of(i).iter().chain([&(i as u32)]).map(|&j| points[j as usize])).0).collect();
+        (0..n).map(|i| Plane::of(&at(points, neighbours.of(i).iter().chain([&(i as u32)]))).normal).collect();
     let thick = THICK * spacing;
     let mut free = vec![true; n];
     let mut patches = Vec::new();
@@ -59,8 +62,8 @@ pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) 
         let (mut normal, mut offset) = (normals[seed], dot(normals[seed], points[seed]));
         let first: Vec<usize> = on_plane(normal, offset).collect();
         for _ in 0..2 {
-            let (fitted, middle) = plane_of(on_plane(normal, offset).map(|i| points[i]));
-            (normal, offset) = (fitted, dot(fitted, middle));
+            let fitted = Plane::of(&on_plane(normal, offset).map(|i| points[i]).collect::<Vec<_>>());
+            (normal, offset) = (fitted.normal, dot(fitted.normal, fitted.middle));
         }
         let on: Vec<u32> = on_plane(normal, offset).map(|i| i as u32).collect();
         let patch = largest_together(&on, neighbours);
@@ -98,24 +101,38 @@ fn largest_together(points: &[u32], neighbours: &Neighbours) -> Vec<u32> {
     points.iter().zip(&roots).filter(|(_, root)| **root == largest).map(|(&i, _)| i).collect()
 }
 
-/// Unit normal of the plane that points lie on best, and their middle.
-fn plane_of(points: impl Iterator<Item = [f64; 3]> + Clone) -> ([f64; 3], [f64; 3]) {
-    let count = points.clone().count().max(1) as f64;
-    let middle: [f64; 3] = std::array::from_fn(|c| points.clone().map(|p| p[c]).sum::<f64>() / count);
-    let mut spread = Mat::<f64>::zeros(3, 3);
-    for p in points {
-        let d = minus(p, middle);
-        for r in 0..3 {
-            for c in 0..3 {
-                spread[(r, c)] += d[r] * d[c];
+/// The plane that points lie on best.
+pub(super) struct Plane {
+    /// Unit normal.
+    pub(super) normal: [f64; 3],
+    /// The middle of the points.
+    pub(super) middle: [f64; 3],
+    /// The share of their spread that is off it: 0 on a plane, ⅓ where they fill space evenly.
+    pub(super) spread_off: f64,
+}
+
+impl Plane {
+    /// By principal components.
+    pub(super) fn of(points: &[[f64; 3]]) -> Self {
+        let count = points.len().max(1) as f64;
+        let middle: [f64; 3] = std::array::from_fn(|c| points.iter().map(|p| p[c]).sum::<f64>() / count);
+        let mut spread = Mat::<f64>::zeros(3, 3);
+        for &p in points {
+            let d = minus(p, middle);
+            for r in 0..3 {
+                for c in 0..3 {
+                    spread[(r, c)] += d[r] * d[c];
+                }
             }
         }
-    }
-    let normal = spread.self_adjoint_eigen(Side::Lower).map_or([0.0, 0.0, 1.0], |eigen| {
+        let Ok(eigen) = spread.self_adjoint_eigen(Side::Lower) else {
+            return Self { normal: [0.0, 0.0, 1.0], middle, spread_off: 0.0 };
+        };
         // Eigenvalues ascend.
-        std::array::from_fn(|c| eigen.U()[(c, 0)])
-    });
-    (normal, middle)
+        let (normal, values) = (std::array::from_fn(|c| eigen.U()[(c, 0)]), eigen.S().column_vector());
+        let all = values[0] + values[1] + values[2];
+        Self { normal, middle, spread_off: if all > 0.0 { values[0] / all } else { 0.0 } }
+    }
 }
 
 #[cfg(test)]

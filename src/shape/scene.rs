@@ -8,10 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::planes::{Patch, flat_patches};
 use super::{Shape, resampled};
 use crate::graph::{Forest, Neighbours, components, nearest_neighbours};
-use crate::vector::squared_distance;
+use crate::vector::{longest_side, squared_distance};
 
 /// Points that the scene is looked at with, roughly.
 const PROBES: f64 = 4000.0;
+/// Points of a cloud that tell their spacing.
+const ENOUGH: usize = 50_000;
 /// No edge of a mesh is longer there, in their spacing.
 const LONGEST_EDGE: f64 = 1.2;
 const AROUND: usize = 10;
@@ -103,12 +105,8 @@ impl Scene {
             let mesh = Shape::already_valid(shape.points().to_vec(), faces, None);
             spacing = (mesh.surface_area() / PROBES).sqrt();
             let fine = resampled(&mesh, LONGEST_EDGE * spacing);
-            let mut used = vec![false; fine.shape.points().len()];
-            fine.shape.faces().iter().flatten().for_each(|&i| used[i as usize] = true);
-            all = (0..used.len())
-                .filter(|&i| used[i])
-                .map(|i| (fine.shape.points()[i], fine.uploaded(i as u32)))
-                .collect();
+            let on_surface = fine.shape.points_in_faces();
+            all = on_surface.into_iter().map(|i| (fine.shape.points()[i as usize], fine.uploaded(i))).collect();
             let edges = mesh.faces().iter().flat_map(|&[a, b, c]| [(a, b), (a, c)]);
             piece = components(n, edges).0;
         }
@@ -123,11 +121,11 @@ impl Scene {
         let mut found = Vec::new();
         let wide = |patch: &Patch| patch.points.len() as f64 >= WIDE * self.places.len() as f64;
         let flat = |patch: &Patch| patch.roughness <= CRISP * self.spacing;
-        let floors = patches.iter().filter(|patch| wide(patch) || flat(patch));
-        let floor = floors
-            .clone()
-            .find_map(|patch| Some((patch, self.side_of_the_rest(patch)?)))
-            .filter(|&(patch, side)| self.lies_free(patch, side));
+        let floor = patches
+            .iter()
+            .filter(|patch| wide(patch) || flat(patch))
+            .filter_map(|patch| Some((patch, self.side_of_the_rest(patch)?)))
+            .find(|&(patch, side)| self.lies_free(patch, side));
         let floors = usize::from(floor.is_some());
         if let Some((patch, side)) = floor {
             let gone = self.beside(std::slice::from_ref(patch));
@@ -270,19 +268,14 @@ impl Scene {
     }
 }
 
-/// The spacing at which some thousand points would cover a cloud: by the cells of a grid that it fills.
+/// The spacing at which some thousand points would cover a cloud: by the cells of a grid that it fills. Of many points an even share tells as much.
 fn spacing_of(points: &[Sample]) -> f64 {
-    let side = |c: usize| {
-        let (low, high) = points
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (p, _)| (low.min(p[c]), high.max(p[c])));
-        high - low
-    };
-    let mut spacing = (0..3).map(side).fold(0.0, f64::max) / 16.0;
+    let some: Vec<Sample> = points.iter().step_by(points.len().div_ceil(ENOUGH).max(1)).copied().collect();
+    let mut spacing = longest_side(some.iter().map(|&(place, _)| place)) / 16.0;
     // A surface fills four times as many cells of half the size.
     for _ in 0..8 {
-        let filled = one_per_cell(points, spacing).0.len() as f64;
-        if filled >= PROBES.min(0.5 * points.len() as f64) {
+        let filled = one_per_cell(&some, spacing).0.len() as f64;
+        if filled >= PROBES.min(0.5 * some.len() as f64) {
             break;
         }
         spacing *= (filled / PROBES).sqrt().clamp(0.5, 0.95);

@@ -41,15 +41,11 @@ pub fn shells(shape: &Shape, points: usize) -> Option<Shells> {
     }
     let spacing = (total / points as f64).sqrt();
     let surface = resampled(shape, LONGEST_EDGE * spacing);
-    let shell: Vec<u32> = {
-        let edges = surface.shape.faces().iter().flat_map(|&[a, b, c]| [(a, b), (a, c)]);
-        components(surface.shape.points().len(), edges).0
-    };
     // Points keep their piece: an added one lies in a face of it, and uploaded ones come first.
     let piece_of = |i: u32| piece[surface.uploaded(i) as usize];
     let mut hang = Forest::new(count);
-    for (i, j) in near_others(&surface.shape, &shell, NEARLY_MEETS * spacing) {
-        hang.join(piece_of(i), piece_of(j));
+    for (i, j) in near_others(&surface.shape, piece_of, NEARLY_MEETS * spacing) {
+        hang.join(i, j);
     }
     let mut together = vec![(0.0, 0.0_f64); count];
     for (piece, &area) in (0..).zip(&area) {
@@ -61,19 +57,17 @@ pub fn shells(shape: &Shape, points: usize) -> Option<Shells> {
     (most < BY_ITSELF * sum).then_some(Shells { surface, count, largest })
 }
 
-/// Pairs of points of two shells that lie nearer to each other than `reach`.
-fn near_others(shape: &Shape, shell: &[u32], reach: f64) -> Vec<(u32, u32)> {
-    let mut used = vec![false; shape.points().len()];
-    shape.faces().iter().flatten().for_each(|&i| used[i as usize] = true);
-    let used: Vec<u32> = (0..used.len() as u32).filter(|&i| used[i as usize]).collect();
+/// Pairs of shells of which points lie nearer to each other than `reach`, most of them often.
+fn near_others(shape: &Shape, shell_of: impl Fn(u32) -> u32, reach: f64) -> Vec<(u32, u32)> {
+    let used = shape.points_in_faces();
     let places: Vec<[f64; 3]> = used.iter().map(|&i| shape.points()[i as usize]).collect();
     let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&places) else { return Vec::new() };
     let mut pairs = Vec::new();
     for (&i, place) in used.iter().zip(&places) {
         for near in tree.query(place).nearest_n::<SquaredEuclidean<f64>>(AROUND).execute() {
-            let j = used[near.item as usize];
-            if near.distance <= reach * reach && shell[i as usize] != shell[j as usize] {
-                pairs.push((i, j));
+            let [one, other] = [i, used[near.item as usize]].map(&shell_of);
+            if near.distance <= reach * reach && one != other {
+                pairs.push((one, other));
             }
         }
     }

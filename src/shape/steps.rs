@@ -1,6 +1,7 @@
 //! How coarsely coordinates are written: single precision far from the origin, or too few digits, leave steps that the surface drowns in.
 
 use super::repair::Repair;
+use crate::vector::extents;
 
 /// Steps up to this part of the spacing of the points do no harm.
 const HARMLESS: f64 = 0.1;
@@ -13,14 +14,7 @@ const LOOKED_AT: usize = 20_000;
 
 /// The step between coordinates over the spacing of the points, where it is so wide that it costs the scan its shape.
 pub fn coarse_steps(points: &[[f64; 3]]) -> Option<(f64, f64)> {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for p in points {
-        for c in 0..3 {
-            (low[c], high[c]) = (low[c].min(p[c]), high[c].max(p[c]));
-        }
-    }
-    let side: [f64; 3] = std::array::from_fn(|c| high[c] - low[c]);
+    let side = extents(points.iter().copied());
     // A body fills some three quarters of the sides of its box, seen from three directions.
     let area = 0.75 * (side[0] * side[1] + side[1] * side[2] + side[2] * side[0]);
     let spacing = (area / points.len() as f64).sqrt();
@@ -35,7 +29,7 @@ pub fn coarse_steps(points: &[[f64; 3]]) -> Option<(f64, f64)> {
         && coarse().all(|step| (step / digit - 1.0).abs() < ROUND);
     // The step of single precision at the far end of an axis.
     let of_precision = (0..3).any(|c| {
-        let reach = (low[c].abs().max(high[c].abs())) as f32;
+        let reach = points.iter().fold(0.0_f64, |most, p| most.max(p[c].abs())) as f32;
         let ulp = f64::from(f32::from_bits(reach.to_bits() + 1)) - f64::from(reach);
         single && steps[c] > HARMLESS * spacing && steps[c] <= 2.0 * ulp
     });

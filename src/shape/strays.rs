@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use faer::{Mat, Side};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use super::Shape;
+use super::planes::Plane;
 use crate::graph::{components, nearest_neighbours};
-use crate::vector::{cross, minus, norm};
+use crate::vector::{cross, longest_side, minus, norm};
 
 /// A piece with less than this share of the largest piece's surface is a stray piece. Of many pieces alike none is.
 const STRAY: f64 = 0.01;
@@ -112,7 +112,7 @@ fn at(shape: &Shape, points: &[u32]) -> Vec<[f64; 3]> {
 /// Those of `names` whose places in `strays` are far from all of `body`.
 fn far_from(body: &[[f64; 3]], strays: &[[f64; 3]], names: &[u32], far: f64) -> Vec<u32> {
     let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(body) else { return Vec::new() };
-    let reach = far * longest_side(body);
+    let reach = far * longest_side(body.iter().copied());
     let squared = |p: &[f64; 3]| tree.query(p).nearest_one::<SquaredEuclidean<f64>>().execute().distance;
     strays.iter().zip(names).filter(|(p, _)| squared(p) > reach * reach).map(|(_, &name)| name).collect()
 }
@@ -154,11 +154,13 @@ fn pieces_of_cloud(points: &[[f64; 3]]) -> (Vec<u32>, Vec<f64>) {
     let (piece, count) = components(points.len(), edges);
     let mut members = vec![Vec::new(); count];
     piece.iter().zip(0..).for_each(|(&piece, i)| members[piece as usize].push(i));
-    let widest = WIDEST * longest_side(points);
+    let widest = WIDEST * longest_side(points.iter().copied());
     let area = members.iter().map(|members: &Vec<u32>| {
         let thin = members.iter().any(|&i| reach[i as usize] > limit);
         let surface = || {
-            let flatness = |&i: &u32| flatness(points, i, neighbours.of(i as usize));
+            let around =
+                |i: u32| neighbours.of(i as usize).iter().chain([&i]).map(|&j| points[j as usize]).collect::<Vec<_>>();
+            let flatness = |&i: &u32| Plane::of(&around(i)).spread_off;
             members.len() as f64 >= ENOUGH * n as f64
                 && median(members.iter().map(|&i| reach[i as usize])) <= widest
                 && median(members.iter().map(flatness)) <= FLAT
@@ -169,28 +171,8 @@ fn pieces_of_cloud(points: &[[f64; 3]]) -> (Vec<u32>, Vec<f64>) {
     (piece, area)
 }
 
-/// The share of the spread of a point and its neighbours that is out of their plane: 0 on a plane, ⅓ where they fill space evenly.
-fn flatness(points: &[[f64; 3]], i: u32, neighbours: &[u32]) -> f64 {
-    let around = || neighbours.iter().chain([&i]).map(|&j| minus(points[j as usize], points[i as usize]));
-    let count = neighbours.len() as f64 + 1.0;
-    let mean: [f64; 3] = std::array::from_fn(|c| around().map(|p| p[c]).sum::<f64>() / count);
-    let spread = Mat::from_fn(3, 3, |r, c| around().map(|p| (p[r] - mean[r]) * (p[c] - mean[c])).sum::<f64>());
-    let Ok(values) = spread.self_adjoint_eigenvalues(Side::Lower) else { return 0.0 };
-    let total: f64 = values.iter().sum();
-    if total > 0.0 { values[0] / total } else { 0.0 }
-}
-
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     let middle = values.len() / 2;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
-}
-
-fn longest_side(points: &[[f64; 3]]) -> f64 {
-    let side = |c: usize| {
-        let along = points.iter().map(|p| p[c]);
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        high - low
-    };
-    (0..3).map(side).fold(0.0, f64::max)
 }

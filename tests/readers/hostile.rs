@@ -43,10 +43,8 @@ fn a_file_cut_anywhere_is_a_shape_or_an_error() {
     for (name, bytes, _) in all_files() {
         let read = (0..bytes.len()).filter(|&end| survives(&bytes[..end], name)).count();
         assert!(read < bytes.len(), "{name}: some cut must be refused");
-        match name {
-            "little.ply" | "big.ply" | "a.glb" => assert_eq!(read, 0, "{name}: every cut of a binary file is noticed"),
-            "binary.stl" => assert_eq!(read, 1, "{name}: only the last triangle may be one that was counted too much"),
-            _ => {}
+        if ["little.ply", "big.ply", "a.glb", "binary.stl"].contains(&name) {
+            assert_eq!(read, 0, "{name}: every cut of a binary file is noticed");
         }
     }
 }

@@ -91,13 +91,11 @@ fn counts_larger_or_smaller_than_the_file_are_noticed() {
         bytes[80..84].copy_from_slice(&count.to_le_bytes());
         parse(bytes, "a.stl")
     };
-    for lie in [140, 70_000, u32::MAX >> 8] {
+    for lie in [129, 140, 70_000, u32::MAX >> 8] {
         assert_eq!(refused(with(lie)).0, "truncated-file");
     }
-    for (lie, by) in [(129, 1), (120, 8)] {
-        let shape = with(lie).unwrap();
-        assert_eq!((shape.faces().len(), repaired(&shape, "count-wrong")), (128, by));
-    }
+    let shape = with(120).unwrap();
+    assert_eq!((shape.faces().len(), repaired(&shape, "count-wrong")), (128, 8));
     let mut bytes = stl_binary(&torus());
     bytes.extend([7; 21]);
     let shape = parse(&bytes, "a.stl").unwrap();

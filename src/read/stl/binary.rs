@@ -15,10 +15,6 @@ const TRIANGLE: usize = 50;
 /// Counts that say nothing: 0, and −1 as programs write it who do not know the number when they begin.
 const PLACEHOLDERS: [usize; 3] = [0, u32::MAX as usize, i32::MAX as usize];
 
-/// A count may be larger than the triangles that follow by one in so many: some writers count triangles that they then leave out. More than
-/// that is missing where a file is cut off.
-const OVERCOUNT: usize = 100;
-
 /// How many times larger than the largest coordinate before it a coordinate behind the count may be: what follows there may be no triangles.
 const FARTHER: f64 = 10.0;
 
@@ -49,8 +45,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
             at,
         });
     }
-    let nearly = whole && there < count && (count - there).saturating_mul(OVERCOUNT) <= count;
-    if there < count && !uncounted && !nearly {
+    if there < count && !uncounted {
         return Err(truncated("triangles", count, there));
     }
     let more = there > count && whole && (uncounted || go_on(&triangles[..count], &triangles[count..]));
@@ -64,8 +59,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, ReadError> {
     draft.faces = (0..read as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     draft.repairs.extend(Repair::counted("count-wrong", read.abs_diff(count), || {
         let announced = if count == u32::MAX as usize { "−1".to_owned() } else { count.to_string() };
-        let doubt = if nearly { ", unless the file is cut off" } else { "" };
-        format!("this STL announces {announced} triangles and has {read}; all of them are read{doubt}")
+        format!("this STL announces {announced} triangles and has {read}; all of them are read")
     }));
     let left = (there - read) * TRIANGLE + rest.len();
     draft.repairs.extend(Repair::counted("trailing-data", left, || {
