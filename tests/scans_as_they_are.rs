@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use geose_fmap::pipeline::ShapeKind;
-use geose_fmap::{Match, MatchOptions, Matcher, PrepareOptions, PreparedShape, Shape, UNMATCHED};
+use geose_fmap::pipeline::{ShapeKind, prepare};
+use geose_fmap::{Error, Match, MatchOptions, Matcher, PrepareOptions, PreparedShape, Progress, Shape, UNMATCHED};
 
 static MATCHER: LazyLock<Matcher> = LazyLock::new(Matcher::new);
 /// Both are the same woman, vertex by vertex.
@@ -245,8 +245,59 @@ fn a_trunk_that_is_sampled_thinly_belongs_to_the_body() {
     let kept: Vec<usize> = (0..scan.points.len()).filter(|&i| !trunk(&scan.points[i]) || i % 8 == 0).collect();
     scan.points = kept.iter().map(|&i| scan.points[i]).collect();
     scan.vertex = kept.iter().map(|&i| scan.vertex[i]).collect();
-    let (_, (error, lost, _)) = matched(&scan);
+    let (shape, (error, lost, _)) = matched(&scan);
     assert!(error <= 3.0 && lost == 0.0, "{error} cm, {lost}");
+    assert!(said(&shape, "thinly-sampled") && shape.info.reliability < 1.0, "{}", shape.info.reliability);
+}
+
+#[test]
+fn what_no_network_knows_stands_on_a_floor_all_the_same_and_has_sides_of_its_own() {
+    let pear = (0..3000).map(|i| {
+        let (z, turn) = (1.0 - f64::from(2 * i + 1) / 3000.0, f64::from(i) * 2.399963);
+        let r = (1.0 - z * z).sqrt() * (0.5 - 0.2 * z);
+        [r * turn.cos(), 0.7 * (1.0 + z), r * turn.sin()]
+    });
+    let vertex = vec![None; 3000];
+    let pear = Scan { points: pear.collect(), faces: Vec::new(), vertex };
+    let (floor, _) = plate([-1.0, 0.0, -1.0], [[2.0, 0.0, 0.0], [0.0, 0.0, 2.0]], 0.04);
+    let (first, floor) = (pear.points.len() as u32, (floor, Vec::new()));
+    let shape = prepared(&pear.clone().and(floor));
+    assert!(said(&shape, "floor-set-aside"));
+    let unmatched = shape.support.unmatched.as_deref().expect("the floor");
+    // What of the pear lies in the plane cannot be told from it.
+    let of_floor = |i: u32| i >= first || pear.points[i as usize][1] < 0.03;
+    assert!(unmatched.len() > 2400 && unmatched.iter().all(|&i| of_floor(i)), "{}", unmatched.len());
+    // The flat side of a half is its own.
+    let mut half = pear;
+    half.points.iter_mut().for_each(|p| p[2] = p[2].max(-0.05));
+    assert!(!said(&prepared(&half), "floor-set-aside"));
+}
+
+#[test]
+fn a_scan_of_two_things_is_stopped_wherever_one_likes() {
+    let beside: Vec<[f64; 3]> = STANDING.points.iter().map(|p| [0.75 * p[0] + 1.0, 0.75 * p[1], 0.75 * p[2]]).collect();
+    let scan = STANDING.clone().and((beside, STANDING.faces.clone())).cloud();
+    let heard = std::cell::RefCell::new(Vec::new());
+    let mut listening = Progress::new(|stage, share| {
+        heard.borrow_mut().push((stage, share));
+        true
+    });
+    prepare(scan.shape(), None, &PrepareOptions::default(), &mut listening).expect("prepared");
+    drop(listening);
+    let heard = heard.into_inner();
+    let back = heard.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[0].1 > pair[1].1);
+    assert!(back.is_none(), "progress goes back: {back:?}");
+    let calls = heard.len();
+    // The last calls are those of the views of the scan without one of its things.
+    for stop in (1..calls).step_by((calls / 12).max(1)) {
+        let mut left = stop;
+        let mut stopping = Progress::new(|_, _| {
+            left -= 1;
+            left > 0
+        });
+        let stopped = prepare(scan.shape(), None, &PrepareOptions::default(), &mut stopping);
+        assert!(matches!(stopped, Err(Error::Cancelled(_))), "after {stop} calls");
+    }
 }
 
 #[test]

@@ -57,7 +57,7 @@ pub(super) async fn body_of<D: Device>(
         let mut taken: Option<(Prepared, Proposal)> = None;
         for proposal in found {
             // A listener is not told of a stage twice.
-            let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.3).is_ok());
+            let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.4).is_ok());
             let without = joined(&aside, &proposal.points);
             let prepared =
                 prepare_with_carriers(shape.clone(), name.clone(), scan.options, &without, scan.wanted, &mut within);

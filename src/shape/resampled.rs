@@ -53,7 +53,9 @@ impl Resampled {
 }
 
 /// Pieces that long edges alone may make of a surface, as a multiple of those that its area makes.
-const SLIVERS: f64 = 8.0;
+const SLIVERS: f64 = 16.0;
+/// A sliver has two long edges and is cut into three pieces whenever those are halved: log₂ 3 is the power of their length that it is cut into.
+const CUT_IN_THREE: f64 = 1.585;
 /// Pieces that every surface may be cut into.
 const FEW: f64 = 4000.0;
 
@@ -65,9 +67,10 @@ pub fn resampled(shape: &Shape, longest: f64) -> Resampled {
         let [a, b, c] = [a, b, c].map(|i| shape.points()[i as usize]);
         [(a, b), (b, c), (c, a)].map(|(p, q)| squared_distance(p, q)).into_iter().fold(0.0, f64::max).sqrt()
     };
-    let long: f64 = shape.faces().iter().map(longest_side).filter(|&side| side > longest).sum();
+    let long = shape.faces().iter().map(longest_side).filter(|&side| side > longest);
+    let long: f64 = long.map(|side| side.powf(CUT_IN_THREE)).sum();
     let pieces = (shape.surface_area() / (longest * longest)).max(FEW);
-    let longest = longest.max(long / (SLIVERS * pieces));
+    let longest = longest.max((long / (SLIVERS * pieces)).powf(1.0 / CUT_IN_THREE));
     let mut points = shape.points().to_vec();
     let mut stands_for: Vec<u32> = Vec::new();
     let mut faces = shape.faces().to_vec();
