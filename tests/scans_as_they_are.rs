@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
+use geose_fmap::operators::LaplacianKind;
 use geose_fmap::pipeline::{ShapeKind, prepare};
 use geose_fmap::{Error, Match, MatchOptions, Matcher, PrepareOptions, PreparedShape, Progress, Shape, UNMATCHED};
 
@@ -201,6 +202,38 @@ fn a_body_in_shells_is_one_body() {
     let (now, then) = (onto(&shape), onto(&again));
     assert_eq!(now.a_to_b, then.a_to_b);
     assert!(now.a_to_b.target.iter().all(|&j| (j as usize) < avatar.points.len()), "targets are uploaded points");
+}
+
+#[test]
+fn a_skirt_with_a_lining_goes_with_the_body_below_it() {
+    let waist = 1.0;
+    let around = STANDING.points.iter().filter(|p| (p[1] - waist).abs() < 0.02 && p[0].abs() < 0.22);
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for p in around {
+        for (side, c) in [0, 2].into_iter().enumerate() {
+            (low[side], high[side]) = (low[side].min(p[c]), high[side].max(p[c]));
+        }
+    }
+    let middle = [0, 1].map(|side| 0.5 * (low[side] + high[side]));
+    let reach = [0, 1].map(|side| 0.5 * (high[side] - low[side]));
+    // From the waist, where it lies on the skin, to the shanks, where it is wide.
+    let skirt = |inside: f64| {
+        let (points, faces) = plate([0.0, 0.0, 0.0], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], 0.02);
+        let onto = |[turn, down, _]: [f64; 3]| {
+            let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+            let wide = [0, 1].map(|side| reach[side] + 0.01 + down * (0.33 - reach[side]) - inside);
+            [middle[0] + wide[0] * cos, waist - 0.6 * down, middle[1] + wide[1] * sin]
+        };
+        (points.into_iter().map(onto).collect(), faces)
+    };
+    let dressed = STANDING.clone().and(skirt(0.0)).and(skirt(0.006));
+    let (shape, (error, lost, confidence)) = matched(&dressed);
+    assert!(said(&shape, "garment-set-aside"));
+    // What is left is a mesh.
+    assert_eq!(shape.info.laplacian, LaplacianKind::Cotangent);
+    assert!(error <= 0.5 && lost == 0.0 && confidence > 0.8, "{error} cm, {lost}, {confidence}");
+    // The skirt has partners, too.
+    assert_eq!(shape.support.unmatched, None);
 }
 
 #[test]

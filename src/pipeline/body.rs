@@ -15,7 +15,7 @@ use crate::device::Device;
 use crate::network::Model;
 use crate::operators::Laplacian;
 use crate::progress::{Cancelled, Progress, Stage};
-use crate::shape::{LeftOut, Proposal, Repair, Shape, proposals};
+use crate::shape::{Aside, LeftOut, Proposal, Repair, Shape, garments, proposals};
 
 /// By so much more certain a network must be without something for it to be left out, and of a smaller thing than of a larger one.
 const MORE_CERTAIN: f64 = 0.02;
@@ -23,6 +23,8 @@ const MORE_CERTAIN: f64 = 0.02;
 const LACKS: f64 = 0.1;
 /// Where no network is at home, a plane with at least this share of the area that all else lies on one side of is a floor all the same.
 const FLOOR: f64 = 0.15;
+/// No garment is looked for where a network is more certain than its category asks for by this part of what there is to 1.
+const CLEAR: f64 = 2.0 / 3.0;
 /// Rounds: a floor and a second person are two.
 const ROUNDS: usize = 3;
 
@@ -44,9 +46,12 @@ pub(super) async fn body_of<D: Device>(
     progress: &mut Progress<'_>,
 ) -> Result<Prepared, Error> {
     let used = used_as(&scan.shape, scan.options.faces, &mut Vec::new());
-    let mut aside: Vec<u32> = Vec::new();
-    let mut found = if scan.options.whole_scan { Vec::new() } else { proposals(&used, &aside) };
-    let again = (!found.is_empty()).then(|| (scan.shape.clone(), scan.name.clone()));
+    let mut aside = Aside::default();
+    let whole = scan.options.whole_scan;
+    let mut found = if whole { Vec::new() } else { proposals(&used, &aside) };
+    // Garments are looked for when a mesh turns out to be put together from shells.
+    let again =
+        (!found.is_empty() || !whole && !used.faces().is_empty()).then(|| (scan.shape.clone(), scan.name.clone()));
     let (mut prepared, carriers, laplacian) =
         prepare_with_carriers(scan.shape, scan.name, scan.options, &aside, scan.wanted, progress)?;
     ask(model, &mut prepared, &carriers, None, 0.2..0.4, progress).await?;
@@ -54,11 +59,14 @@ pub(super) async fn body_of<D: Device>(
     let Some((shape, name)) = again else { return Ok(best) };
     let mut said: Vec<Repair> = Vec::new();
     for _ in 0..ROUNDS {
+        if best.0.resampled.is_some() && !is_clear(&best.0) {
+            found.extend(garments(&used, &aside, scan.options.points));
+        }
         let mut taken: Option<(Prepared, Proposal)> = None;
         for proposal in found {
             // A listener is not told of a stage twice.
             let mut within = Progress::new(|_, _| progress.at(Stage::Features, 0.4).is_ok());
-            let without = joined(&aside, &proposal.points);
+            let without = aside.and(&proposal);
             let prepared =
                 prepare_with_carriers(shape.clone(), name.clone(), scan.options, &without, scan.wanted, &mut within);
             let (mut prepared, carriers, laplacian) = match prepared {
@@ -74,7 +82,7 @@ pub(super) async fn body_of<D: Device>(
             }
         }
         let Some((prepared, proposal)) = taken else { break };
-        aside = joined(&aside, &proposal.points);
+        aside = aside.and(&proposal);
         said.push(repair(&proposal));
         best = prepared;
         found = proposals(&used, &aside);
@@ -93,6 +101,12 @@ fn is_better(one: &PreparedShape, other: &PreparedShape, without: &Proposal) -> 
         (_, Some(other)) if other >= 0.0 => false,
         _ => without.what == LeftOut::Floor && without.share >= FLOOR,
     }
+}
+
+/// Whether a network is as certain of a shape as of bare bodies.
+fn is_clear(shape: &PreparedShape) -> bool {
+    let asked = shape.embeddings.first().map(|embedding| embedding.category.thresholds.certainty);
+    margin(shape).zip(asked).is_none_or(|(margin, asked)| margin >= CLEAR * (1.0 - asked))
 }
 
 /// By how much the network that is most at home with a shape is more certain of its parts than it asks for; nothing where none knows others.
@@ -115,19 +129,12 @@ fn coverage(shape: &PreparedShape) -> f64 {
     if expected > 0.0 { covered / expected } else { 1.0 }
 }
 
-/// Both, ascending.
-fn joined(one: &[u32], other: &[u32]) -> Vec<u32> {
-    let mut both = [one, other].concat();
-    both.sort_unstable();
-    both.dedup();
-    both
-}
-
 fn repair(Proposal { what, points, share }: &Proposal) -> Repair {
     let percent = (100.0 * share).round();
     let (code, what) = match what {
         LeftOut::Floor => ("floor-set-aside", "a floor or a wall was set aside"),
         LeftOut::Furniture => ("furniture-set-aside", "what is flat, as a box or a chair is, was set aside"),
+        LeftOut::Garment => ("garment-set-aside", "a garment was set aside and goes with the body below it"),
         LeftOut::OtherThings => ("others-set-aside", "other things than the body were set aside"),
     };
     let message = format!("{what}, {percent} % of the surface: what is left looks more like one body");

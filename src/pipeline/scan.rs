@@ -11,7 +11,7 @@ use crate::operators::{self, Laplacian, LaplacianKind};
 use crate::progress::{Progress, Stage};
 use crate::registration::COARSE;
 use crate::shape::{
-    Axis, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, Strays, THIN_LIMIT, counted, farthest_points,
+    Aside, Axis, MESH_LIMIT, MIN_POINTS, Repair, Shape, ShapeError, Strays, THIN_LIMIT, counted, farthest_points,
     set_strays_aside, support,
 };
 use crate::spectrum::{SpectralBasis, SpectrumReport, check_size};
@@ -26,13 +26,13 @@ pub(super) fn not_proved(report: &SpectrumReport, basis: &SpectralBasis) -> Opti
     (!report.complete).then(|| Repair::noted(NOT_PROVED, basis.k(), message.to_owned()))
 }
 
-/// All of [`prepare`] but the network, the carriers that operators were built on, and their Laplacian. Points `aside` (ascending) belong to something else. The basis has `wanted` eigenpairs where fewer were asked for; memory for those
+/// All of [`prepare`] but the network, the carriers that operators were built on, and their Laplacian. It does without the points `aside`. The basis has `wanted` eigenpairs where fewer were asked for; memory for those
 /// that were must be there, for the others it is nice to have.
 pub(crate) fn prepare_with_carriers(
     shape: Shape,
     name: Option<String>,
     options: &PrepareOptions,
-    aside: &[u32],
+    aside: &Aside,
     wanted: usize,
     progress: &mut Progress,
 ) -> Result<(PreparedShape, Carriers, Laplacian), Error> {

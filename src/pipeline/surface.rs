@@ -1,7 +1,7 @@
 //! Which points of a scan carry its surface, and as what they are taken: a mesh, or a cloud.
 
 use super::{FaceUse, PrepareOptions};
-use crate::shape::{Repair, Resampled, Shape, Shells, counted, shells, without_spikes};
+use crate::shape::{Aside, Repair, Resampled, Shape, Shells, counted, shells, without_spikes};
 
 /// The surface of a scan.
 pub(super) struct Surface {
@@ -14,10 +14,10 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Without the points `aside` (ascending).
-    pub(super) fn of(as_read: &Shape, aside: &[u32], options: &PrepareOptions, repairs: &mut Vec<Repair>) -> Self {
+    /// Without the points `aside`.
+    pub(super) fn of(as_read: &Shape, aside: &Aside, options: &PrepareOptions, repairs: &mut Vec<Repair>) -> Self {
         let shape = used_as(as_read, options.faces, repairs);
-        let stays = |i: &u32| aside.binary_search(i).is_err();
+        let stays = |i: &u32| aside.leaves(*i);
         if shape.faces().is_empty() {
             let is_first =
                 |&i: &u32| shape.first_at_place()[i as usize] == i && shape.placeless().binary_search(&i).is_err();
@@ -41,7 +41,7 @@ impl Surface {
         }
         let Left { shape, resampled } = left;
         if options.laplacian.is_none()
-            && let Some(Shells { surface, count, largest }) = shells(&shape, options.points)
+            && let Some(Shells { surface, count, largest, .. }) = shells(&shape, options.points)
         {
             let message = format!(
                 "the mesh is put together from {count} shells, of which the largest has {:.0} % of the area: taken as one body by how near they lie, like a cloud of points on all of them",

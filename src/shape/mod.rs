@@ -28,8 +28,8 @@ pub use error::ShapeError;
 pub use repair::Repair;
 pub use resampled::{Resampled, resampled};
 pub use sample::{farthest_points, nearest_samples};
-pub use scene::{LeftOut, Proposal, proposals};
-pub use shells::{Shells, shells};
+pub use scene::{Aside, LeftOut, Proposal, proposals};
+pub use shells::{Shells, garments, shells};
 #[cfg(feature = "train")]
 pub use simplify::{Simplified, draw_together};
 pub use simplify::{THIN_LIMIT, cells, simplify};

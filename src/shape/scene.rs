@@ -51,6 +51,32 @@ pub struct Proposal {
     pub share: f64,
 }
 
+/// Points that an operator does without, ascending; copies of them need not be named.
+#[derive(Clone, Debug, Default)]
+pub struct Aside {
+    /// Those of other things: matched with nothing, but where they touch the body.
+    pub others: Vec<u32>,
+    /// Those of garments: matched like what they hang on.
+    pub garments: Vec<u32>,
+}
+
+impl Aside {
+    /// Also without what is proposed.
+    pub fn and(&self, proposal: &Proposal) -> Self {
+        let mut both = self.clone();
+        let points = if proposal.what == LeftOut::Garment { &mut both.garments } else { &mut both.others };
+        points.extend(&proposal.points);
+        points.sort_unstable();
+        points.dedup();
+        both
+    }
+
+    /// Whether a point is not among them.
+    pub fn leaves(&self, point: u32) -> bool {
+        [&self.others, &self.garments].iter().all(|points| points.binary_search(&point).is_err())
+    }
+}
+
 /// What a proposal leaves out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeftOut {
@@ -60,10 +86,12 @@ pub enum LeftOut {
     Furniture,
     /// All but one of the things that do not touch.
     OtherThings,
+    /// A shell around the body, as a skirt is, of which each point goes with the body below it.
+    Garment,
 }
 
 /// What a welded mesh or a cloud, without the points `aside`, may be without. Proposals of one kind exclude each other; each has another body.
-pub fn proposals(shape: &Shape, aside: &[u32]) -> Vec<Proposal> {
+pub fn proposals(shape: &Shape, aside: &Aside) -> Vec<Proposal> {
     let scene = Scene::new(shape, aside);
     let mut found = scene.without_planes();
     found.extend(scene.things_alone());
@@ -86,8 +114,8 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(shape: &Shape, aside: &[u32]) -> Self {
-        let kept = |i: u32| aside.binary_search(&i).is_err();
+    fn new(shape: &Shape, aside: &Aside) -> Self {
+        let kept = |i: u32| aside.leaves(i);
         let n = shape.points().len();
         let (spacing, piece): (f64, Vec<u32>);
         let all: Vec<Sample>;

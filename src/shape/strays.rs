@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-use super::Shape;
 use super::planes::Plane;
+use super::{Aside, Shape};
 use crate::graph::{components, nearest_neighbours};
 use crate::vector::{cross, longest_side, minus, norm};
 
@@ -53,11 +53,11 @@ impl Strays {
     }
 }
 
-/// Parts the points that count, `surface`, into the body and strays; `aside` are points that do not count since they belong to other things, ascending.
+/// Parts the points that count, `surface`, into the body and strays; those `aside` do not count.
 ///
 /// Every piece of a scan has an eigenvalue of zero and takes one of the k eigenfunctions, so sixty strays leave half a basis; and a stray far from the
 /// body is the first that an even sampling picks.
-pub fn set_strays_aside(shape: &Shape, surface: &[u32], aside: &[u32]) -> Strays {
+pub fn set_strays_aside(shape: &Shape, surface: &[u32], aside: &Aside) -> Strays {
     let (piece, weight) = match shape.faces().is_empty() {
         true => pieces_of_cloud(&at(shape, surface)),
         false => pieces_of_mesh(shape, surface),
@@ -73,14 +73,16 @@ pub fn set_strays_aside(shape: &Shape, surface: &[u32], aside: &[u32]) -> Strays
         }
     }
     let first = shape.first_at_place();
-    let aside = with_copies(aside, first);
+    let [aside, garments] = [&aside.others, &aside.garments].map(|points| with_copies(points, first));
     let mut bare = points_in_no_face(shape, surface);
-    bare.retain(|i| aside.binary_search(i).is_err());
+    bare.retain(|i| aside.binary_search(i).is_err() && garments.binary_search(i).is_err());
     if strays.is_empty() && bare.is_empty() && aside.is_empty() {
         return Strays { body, strays, far: Vec::new(), pieces: 0, far_vertices: Vec::new(), far_aside: Vec::new() };
     }
     let from_body = |points: &[u32], far: f64| far_from(&at(shape, &body), &at(shape, points), points, far);
-    let far_vertices = from_body(&bare, FAR);
+    // What is in no face may be a corner of a garment that lies on another one.
+    let dressed = [&body[..], &garments[..]].concat();
+    let far_vertices = far_from(&at(shape, &dressed), &at(shape, &bare), &bare, FAR);
     let far_aside = from_body(&aside, SOLES);
     let far = from_body(&strays, FAR);
     let [strays, far] = [strays, far].map(|points| with_copies(&points, first));

@@ -16,7 +16,7 @@ use crate::pipeline::Error;
 use crate::pipeline::PrepareOptions;
 use crate::pipeline::{network_inputs, prepare_with_carriers};
 use crate::progress::Progress;
-use crate::shape::{MIN_POINTS, Shape};
+use crate::shape::{Aside, MIN_POINTS, Shape};
 
 /// Inputs (n points) and labels (n).
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +46,8 @@ impl Sample {
             ..PrepareOptions::default()
         };
         let mut progress = Progress::silent();
-        let (prepared, carriers, _) = prepare_with_carriers(shape, None, &options, &[], 0, &mut progress)?;
+        let (prepared, carriers, _) =
+            prepare_with_carriers(shape, None, &options, &Aside::default(), 0, &mut progress)?;
         let labels = prepared.shape.labels().unwrap_or_default();
         let used: Vec<usize> = (0..prepared.points_used()).map(|row| prepared.support.uploaded(row)).collect();
         let labels = used.iter().map(|&i| labels[i]).collect();
