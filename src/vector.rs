@@ -38,6 +38,20 @@ pub(crate) fn extents(points: impl IntoIterator<Item = Vector>) -> Vector {
     minus(high, low)
 }
 
+/// The longest side of the box around points without the outermost hundredth on each side; 0 around hardly any.
+pub(crate) fn middle_side(points: impl Iterator<Item = Vector> + Clone) -> f64 {
+    let side = |c: usize| {
+        let mut along: Vec<f64> = points.clone().map(|p| p[c]).collect();
+        along.sort_unstable_by(f64::total_cmp);
+        let cut = along.len() / 100;
+        match &along[cut..along.len() - cut] {
+            [first, .., last] => last - first,
+            _ => 0.0,
+        }
+    };
+    (0..3).map(side).fold(0.0, f64::max)
+}
+
 /// The longest side of the box around points; 0 around none.
 pub(crate) fn longest_side(points: impl IntoIterator<Item = Vector>) -> f64 {
     extents(points).into_iter().fold(0.0, f64::max)

@@ -284,6 +284,103 @@ fn a_trunk_that_is_sampled_thinly_belongs_to_the_body() {
 }
 
 #[test]
+fn legs_that_are_sampled_much_more_thinly_are_no_strays() {
+    // Less than one point in a hundred is on a leg.
+    let mut scan = STANDING.clone().cloud();
+    let legs = |p: &[f64; 3]| p[1] < 0.85 && p[0].abs() < 0.35;
+    let fine = Scan::sample("woman-standing.ply");
+    for face in &fine.faces {
+        let corners = face.map(|i| fine.points[i as usize]);
+        for (a, b) in [(0, 1), (1, 2), (2, 0), (0, 2)] {
+            let point =
+                std::array::from_fn(|c| 0.6 * corners[a][c] + 0.3 * corners[b][c] + 0.1 * corners[3 - a - b][c]);
+            scan.points.push(point);
+            scan.vertex.push(None);
+        }
+    }
+    let mut thin = 0;
+    let kept: Vec<usize> = (0..scan.points.len())
+        .filter(|&i| {
+            thin += usize::from(legs(&scan.points[i]) && scan.vertex[i].is_some());
+            !legs(&scan.points[i]) || scan.vertex[i].is_some() && thin % 6 == 0
+        })
+        .collect();
+    scan.points = kept.iter().map(|&i| scan.points[i]).collect();
+    scan.vertex = kept.iter().map(|&i| scan.vertex[i]).collect();
+    let on_legs = scan.points.iter().filter(|p| legs(p)).count();
+    assert!(on_legs * 50 < scan.points.len(), "{on_legs} of {}", scan.points.len());
+    let (shape, (error, lost, _)) = matched(&scan);
+    assert!(said(&shape, "thin-parts-kept"));
+    assert!(error <= 3.0 && lost < 0.01, "{error} cm, {lost}");
+}
+
+#[test]
+fn points_in_the_air_around_a_body_are_set_aside() {
+    let body = STANDING.clone().cloud();
+    let air = (0..250).map(|i| {
+        let [x, y, z] = [0, 1, 2].map(|c| 0.5 * noise(3 * i + c + 99) + 0.5);
+        [1.6 * x - 0.8, 1.7 * y, 0.5 * z - 0.25]
+    });
+    let count = body.points.len();
+    let (shape, (error, lost, _)) = matched(&body.and((air.collect(), Vec::new())));
+    let set_aside = shape.support.unmatched.as_deref().unwrap_or_default();
+    let in_air = set_aside.iter().filter(|&&i| i as usize >= count).count();
+    assert!(in_air > 150, "{in_air} of 250");
+    assert!(error <= 2.0 && lost < 0.01, "{error} cm, {lost}");
+}
+
+#[test]
+fn a_gap_in_a_leg_makes_no_other_thing_of_the_foot() {
+    let mut scan = STANDING.clone().cloud();
+    let gap = |p: &[f64; 3]| p[0] > 0.0 && (0.4..0.6).contains(&p[1]);
+    let kept: Vec<usize> = (0..scan.points.len()).filter(|&i| !gap(&scan.points[i])).collect();
+    scan.points = kept.iter().map(|&i| scan.points[i]).collect();
+    scan.vertex = kept.iter().map(|&i| scan.vertex[i]).collect();
+    let (shape, (error, lost, _)) = matched(&scan);
+    assert!(!said(&shape, "others-set-aside"));
+    assert!(error <= 3.5 && lost == 0.0, "{error} cm, {lost}");
+}
+
+#[test]
+fn floors_are_found_when_they_are_noisy_and_when_a_point_lies_kilometres_away() {
+    let floor = |side: f64, sigma: f64| {
+        let (mut points, faces) = plate([-0.5 * side, 0.0, -0.5 * side], [[side, 0.0, 0.0], [0.0, 0.0, side]], 0.02);
+        for (i, p) in points.iter_mut().enumerate() {
+            // Nearly normal, like a camera's.
+            p[1] += sigma * (0..3).map(|k| noise(9 * i as u64 + k)).sum::<f64>();
+        }
+        (points, faces)
+    };
+    for (side, sigma) in [(0.7, 0.005), (2.0, 0.01)] {
+        let (shape, (error, lost, _)) = matched(&STANDING.clone().and(floor(side, sigma)).cloud());
+        assert!(said(&shape, "floor-set-aside"), "{side} m, {sigma} m");
+        assert!(error <= 3.0 && lost < 0.02, "{side} m, {sigma} m: {error} cm, {lost}");
+    }
+    let far = STANDING.clone().and(floor(2.0, 0.0)).and((vec![[5000.0, 0.0, 0.0]], Vec::new()));
+    let (shape, (error, lost, _)) = matched(&far.cloud());
+    assert!(said(&shape, "floor-set-aside"));
+    assert!(error <= 3.0 && lost < 0.02, "{error} cm, {lost}");
+}
+
+#[test]
+fn what_a_hand_holds_is_no_part_of_the_body() {
+    // A ball of 32 centimetres before a hand, a mesh of its own as it would be in a modeller's file.
+    let hand = STANDING.points.iter().fold([0.0_f64; 3], |most, p| if p[0] > most[0] { *p } else { most });
+    let (grid, faces) = plate([0.0, 0.0, 0.0], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], 0.05);
+    let onto = |[turn, down, _]: [f64; 3]| {
+        let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+        let (round, height) = (std::f64::consts::PI * down).sin_cos();
+        [hand[0] + 0.16 * round * cos, hand[1] + 0.16 * height, hand[2] + 0.17 + 0.16 * round * sin]
+    };
+    let ball = (grid.into_iter().map(onto).collect(), faces);
+    let (shape, (error, lost, confidence)) = matched(&STANDING.clone().and(ball));
+    assert!(said(&shape, "piece-set-aside"));
+    assert!(error <= 0.5 && lost == 0.0 && confidence > 0.8, "{error} cm, {lost}, {confidence}");
+    // Its far side is nobody's.
+    assert!(shape.support.unmatched.is_some_and(|points| points.len() > 50));
+}
+
+#[test]
 fn what_no_network_knows_stands_on_a_floor_all_the_same_and_has_sides_of_its_own() {
     let pear = (0..3000).map(|i| {
         let (z, turn) = (1.0 - f64::from(2 * i + 1) / 3000.0, f64::from(i) * 2.399963);

@@ -84,8 +84,8 @@ export interface PrepareOptions extends CallOptions, ReadOptions {
   /** Axis that points up, where it is known; shown in `info`, the match does not depend on it. */
   up?: Axis | undefined;
   /**
-   * Whether all of the scan is the body. By default (`false`) a floor, furniture, other bodies and garments are set aside where the network is more certain of what is
-   * left: `repairs` say so (`'floor-set-aside'`, `'furniture-set-aside'`, `'others-set-aside'`), and points far from the body are among `unmatched`.
+   * Whether all of the scan is the body. By default (`false`) a floor, furniture, other bodies, loose pieces and garments are set aside where the network is more certain of what is
+   * left: `repairs` say so (`'floor-set-aside'`, `'furniture-set-aside'`, `'others-set-aside'`, `'piece-set-aside'`, `'garment-set-aside'`), and points far from the body are among `unmatched`.
    */
   wholeScan?: boolean | undefined;
 }

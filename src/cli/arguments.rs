@@ -26,7 +26,7 @@ pub(super) struct Preparing {
     /// The axis that points up: x, y or z.
     #[arg(long, value_parser = parse::<Axis>)]
     pub up: Option<Axis>,
-    /// All of a scan is the body: no floor, furniture, other body or garment in it is set aside.
+    /// All of a scan is the body: no floor, furniture, other body, loose piece or garment in it is set aside.
     #[arg(long)]
     pub whole_scan: bool,
 }

@@ -4,29 +4,44 @@
 //! clouds the mean certainty of parts is 0.973 to 0.976; with a floor plate of 0.7 m it is 0.84 to 0.94, with a floor of 2 m 0.61 to 0.65, with a wall behind 0.68 to
 //! 0.76, with a box 0.71 to 0.89, with another person or a child beside 0.72 to 0.93.
 
-use ndarray::Axis;
+use ndarray::Array1;
 
 use super::embedding::ask;
 use super::geometry::Carriers;
-use super::scan::prepare_with_carriers;
+use super::scan::{STRAYS, prepare_with_carriers};
 use super::surface::used_as;
 use super::{Error, PrepareOptions, PreparedShape};
 use crate::device::Device;
 use crate::network::Model;
 use crate::operators::Laplacian;
 use crate::progress::{Cancelled, Progress, Stage};
-use crate::shape::{Aside, LeftOut, Proposal, Repair, Shape, garments, proposals};
+use crate::shape::{Aside, LeftOut, Proposal, Repair, Shape, loose_pieces, proposals, thin_parts};
 
 /// By so much more certain a network must be without something for it to be left out, and of a smaller thing than of a larger one.
 const MORE_CERTAIN: f64 = 0.02;
+/// Of a plane that lies free under or behind all else geometry is nearly certain already.
+const A_FLOOR: f64 = 0.005;
 /// Of things alone the body is not one that lacks parts: the coverage of its parts is not less than that of all things together by more than this.
 const LACKS: f64 = 0.1;
+/// A part is there where a shape has this share of the area that is expected of it, and gone where it has less than that.
+const THERE: f64 = 0.5;
+const GONE: f64 = 0.2;
+/// So much more of the area that is expected of parts must a body have with what was taken for strays.
+const MORE_COVERED: f64 = 0.05;
 /// Where no network is at home, a plane with at least this share of the area that all else lies on one side of is a floor all the same.
 const FLOOR: f64 = 0.15;
-/// No garment is looked for where a network is more certain than its category asks for by this part of what there is to 1.
+/// No loose piece is looked for where a network is more certain than its category asks for by this part of what there is to 1.
 const CLEAR: f64 = 2.0 / 3.0;
+/// Fewer strays are dirt, and no part of a body.
+const LEFT_OF_A_LIMB: usize = 8;
+/// What confidence is worth where a limb may have been set aside.
+const DOUBTFUL: f64 = 0.5;
 /// Rounds: a floor and a second person are two.
 const ROUNDS: usize = 3;
+
+/// Codes of repairs.
+const COARSE: &str = "coarse-numbers";
+const THIN_PARTS: &str = "thin-parts-kept";
 
 /// What is to be prepared.
 pub(super) struct Scan<'o> {
@@ -48,19 +63,28 @@ pub(super) async fn body_of<D: Device>(
     let used = used_as(&scan.shape, scan.options.faces, &mut Vec::new());
     let mut aside = Aside::default();
     let whole = scan.options.whole_scan;
-    let mut found = if whole { Vec::new() } else { proposals(&used, &aside) };
-    // Garments are looked for when a mesh turns out to be put together from shells.
-    let again =
-        (!found.is_empty() || !whole && !used.faces().is_empty()).then(|| (scan.shape.clone(), scan.name.clone()));
+    // Between coordinates in coarse steps the surface lies in sheets, which are no floors.
+    let in_sheets = scan.shape.repairs().iter().any(|repair| repair.code == COARSE);
+    let mut found = if whole || in_sheets { Vec::new() } else { proposals(&used, &aside) };
+    // More is looked for when a mesh turns out to be put together from shells, or a cloud to have strays.
+    let again = (!whole).then(|| (scan.shape.clone(), scan.name.clone()));
     let (mut prepared, carriers, laplacian) =
         prepare_with_carriers(scan.shape, scan.name, scan.options, &aside, scan.wanted, progress)?;
     ask(model, &mut prepared, &carriers, None, 0.2..0.4, progress).await?;
+    let whole_scan = cover(&prepared);
     let mut best = (prepared, carriers, laplacian);
+    let mut left = 1.0;
     let Some((shape, name)) = again else { return Ok(best) };
     let mut said: Vec<Repair> = Vec::new();
     for _ in 0..ROUNDS {
         if best.0.resampled.is_some() && !is_clear(&best.0) {
-            found.extend(garments(&used, &aside, scan.options.points));
+            found.extend(loose_pieces(&used, &aside, scan.options.points));
+        }
+        if used.faces().is_empty()
+            && aside.thin_parts.is_empty()
+            && best.0.repairs.iter().any(|repair| repair.code == STRAYS)
+        {
+            found.extend(thin_parts(&used, &aside));
         }
         let mut taken: Option<(Prepared, Proposal)> = None;
         for proposal in found {
@@ -77,26 +101,35 @@ pub(super) async fn body_of<D: Device>(
             };
             ask(model, &mut prepared, &carriers, None, 0.2..0.4, &mut within).await?;
             let than = taken.as_ref().map_or(&best.0, |((prepared, ..), _)| prepared);
-            if is_better(&prepared, than, &proposal) {
+            if is_better(&prepared, than, &proposal) && !lacks_parts_of(&prepared, &whole_scan, &proposal) {
                 taken = Some(((prepared, carriers, laplacian), proposal));
             }
         }
         let Some((prepared, proposal)) = taken else { break };
         aside = aside.and(&proposal);
-        said.push(repair(&proposal));
+        said.push(repair(&proposal, left * proposal.share));
+        left *= if proposal.what == LeftOut::NoThinParts { 1.0 } else { 1.0 - proposal.share };
         best = prepared;
-        found = proposals(&used, &aside);
+        found = if in_sheets { Vec::new() } else { proposals(&used, &aside) };
     }
     best.0.repairs.extend(said);
+    if let Some(doubt) = lost_limbs(&best.0) {
+        best.0.info.reliability *= DOUBTFUL;
+        best.0.repairs.push(doubt);
+    }
     Ok(best)
 }
 
 /// Whether a network is more certain of one view of a scan than of another; where none is at home with either, whether what the one is without is a floor.
 fn is_better(one: &PreparedShape, other: &PreparedShape, without: &Proposal) -> bool {
     match (margin(one), margin(other)) {
+        (Some(certain), Some(less)) if without.what == LeftOut::NoThinParts => {
+            certain > less + MORE_CERTAIN || certain >= less && coverage(one) >= coverage(other) + MORE_COVERED
+        }
         (Some(certain), Some(less)) if certain >= 0.0 => {
             let whole = without.what != LeftOut::OtherThings || coverage(one) >= coverage(other) - LACKS;
-            certain > less + MORE_CERTAIN && whole
+            let more = if without.what == LeftOut::Floor { A_FLOOR } else { MORE_CERTAIN };
+            certain > less + more && whole
         }
         (_, Some(other)) if other >= 0.0 => false,
         _ => without.what == LeftOut::Floor && without.share >= FLOOR,
@@ -116,27 +149,62 @@ fn margin(shape: &PreparedShape) -> Option<f64> {
     Some(embedding.certainty(std::iter::repeat(share)) - embedding.category.thresholds.certainty)
 }
 
-/// How much of the area that its category expects of each part a shape has: 1 for a whole body, less for one that lacks parts or has too much of some.
+/// How much of the area that its category expects of each part a shape has, at most 1 of each.
+fn cover(shape: &PreparedShape) -> Vec<f64> {
+    let Some(embedding) = shape.embeddings.first() else { return Vec::new() };
+    let rows = embedding.parts.nrows();
+    // Of a simplified mesh points are evenly spread, and have no mass each.
+    let even = Array1::ones(rows);
+    let mass = if shape.basis.mass.len() == rows { &shape.basis.mass } else { &even };
+    let mut found = vec![0.0_f64; embedding.category.parts.len()];
+    for (row, mass) in embedding.parts.outer_iter().zip(mass) {
+        found.iter_mut().zip(row).for_each(|(sum, &share)| *sum += mass * f64::from(share));
+    }
+    let all: f64 = mass.iter().sum();
+    embedding.category.parts.iter().zip(found).map(|(part, found)| (found / (all * part.area)).min(1.0)).collect()
+}
+
+/// The same of all parts together: 1 for a whole body, less for one that lacks parts or has too much of some.
 fn coverage(shape: &PreparedShape) -> f64 {
     let Some(embedding) = shape.embeddings.first() else { return 0.0 };
-    let (parts, points) = (&embedding.category.parts, embedding.parts.nrows().max(1) as f64);
-    let found = embedding.parts.sum_axis(Axis(0));
-    let (mut covered, mut expected) = (0.0, 0.0);
-    for (part, &found) in parts.iter().zip(&found) {
-        covered += part.area.min(f64::from(found) / points);
-        expected += part.area;
-    }
+    let parts = &embedding.category.parts;
+    let expected: f64 = parts.iter().map(|part| part.area).sum();
+    let covered: f64 = parts.iter().zip(cover(shape)).map(|(part, cover)| part.area * cover).sum();
     if expected > 0.0 { covered / expected } else { 1.0 }
 }
 
-fn repair(Proposal { what, points, share }: &Proposal) -> Repair {
+/// Says so where strays were set aside and the body lacks parts: a few points of a leg are no surface.
+fn lost_limbs(shape: &PreparedShape) -> Option<Repair> {
+    let strays = shape.repairs.iter().find(|repair| repair.code == STRAYS && repair.count >= LEFT_OF_A_LIMB)?;
+    let at_home = margin(shape).is_some_and(|margin| margin >= 0.0);
+    let parts = &shape.embeddings.first().filter(|_| at_home)?.category.parts;
+    let gone: Vec<&str> =
+        parts.iter().zip(cover(shape)).filter(|(_, cover)| *cover < GONE).map(|(part, _)| &*part.name).collect();
+    let message =
+        format!("the body seems to have no {}; the points set aside may be what the scan has of it", gone.join(", "));
+    (!gone.is_empty()).then(|| Repair::noted("limbs-lost", strays.count, message))
+}
+
+/// Whether one of several things lacks a part that the whole scan has: then the others are no other things but limbs, beyond a gap.
+fn lacks_parts_of(one: &PreparedShape, whole_scan: &[f64], without: &Proposal) -> bool {
+    let now = cover(one);
+    without.what == LeftOut::OtherThings
+        && now.iter().zip(whole_scan).any(|(&now, &before)| before >= THERE && now < GONE)
+}
+
+fn repair(Proposal { what, points, .. }: &Proposal, share: f64) -> Repair {
     let percent = (100.0 * share).round();
     let (code, what) = match what {
         LeftOut::Floor => ("floor-set-aside", "a floor or a wall was set aside"),
         LeftOut::Furniture => ("furniture-set-aside", "what is flat, as a box or a chair is, was set aside"),
+        LeftOut::NoThinParts => (THIN_PARTS, "parts with so few points that they looked like strays were kept"),
         LeftOut::Garment => ("garment-set-aside", "a garment was set aside and goes with the body below it"),
+        LeftOut::Piece => ("piece-set-aside", "a piece that is no part of the body was set aside"),
         LeftOut::OtherThings => ("others-set-aside", "other things than the body were set aside"),
     };
-    let message = format!("{what}, {percent} % of the surface: what is left looks more like one body");
+    let message = match code {
+        THIN_PARTS => format!("{what}, {percent} % of the surface"),
+        _ => format!("{what}, {percent} % of the surface: what is left looks more like one body"),
+    };
     Repair::noted(code, points.len(), message)
 }

@@ -26,7 +26,7 @@ pub struct PrepareOptions {
     pub eigenpairs: usize,
     /// The axis that points up, where it is known; only shown so far, since matching does not depend on it.
     pub up: Option<Axis>,
-    /// Whether all of the scan is the body. Else floors, furniture, other bodies and garments are set aside where the network is more certain of what is left; the repairs say so.
+    /// Whether all of the scan is the body. Else floors, furniture, other bodies, loose pieces and garments are set aside where the network is more certain of what is left; the repairs say so.
     pub whole_scan: bool,
     /// Whether, where limbs in contact are told apart, the gradients that the network sees leave out edges between them too, as operator, basis and surface do. Off:
     /// the network was trained on gradients that know no parts, and on 12 pairs of the generator's held-out bodies as clouds (of 24, seeds from 900001)

@@ -12,7 +12,7 @@ const USUAL: f64 = 0.05;
 /// What is left of confidence where a scan says least.
 const LEAST: f64 = 0.3;
 
-/// A factor for the confidence of matches with this scan, 1 where there is no doubt, and what is to be said.
+/// A factor for the confidence of matches with a scan of these points, as uploaded, 1 where there is no doubt, and what is to be said.
 pub(super) fn reliability(points: &[[f64; 3]], carriers: &Carriers, mass: &[f64]) -> (f64, Option<Repair>) {
     let steps = coarse_steps(points).map_or(1.0, |(step, spacing)| (0.1 * spacing / step).max(LEAST));
     let thin = thin_share(carriers, mass);

@@ -20,6 +20,9 @@ use crate::vector::extents;
 /// Code of the repair that says that an eigenpair may be missing.
 pub(super) const NOT_PROVED: &str = "spectrum-not-proved";
 
+/// Code of the repair that says that strays were set aside.
+pub(super) const STRAYS: &str = "crumbs-set-aside";
+
 /// Says so where it was not proved that a basis misses nothing.
 pub(super) fn not_proved(report: &SpectrumReport, basis: &SpectralBasis) -> Option<Repair> {
     let message = "the eigenvalues are right, but it was not proved that none between them is missing";
@@ -55,7 +58,7 @@ pub(crate) fn prepare_with_carriers(
     unmatched.sort_unstable();
     unmatched.dedup();
     let Strays { body: surface, strays, far, pieces: stray_pieces, far_vertices, .. } = aside;
-    repairs.extend(Repair::counted("crumbs-set-aside", strays.len(), || {
+    repairs.extend(Repair::counted(STRAYS, strays.len(), || {
         let bits = counted(stray_pieces, "bit", "bits");
         format!(
             "{} in {bits} apart from the body set aside; {} of them too far from it to be matched",
@@ -101,7 +104,7 @@ pub(crate) fn prepare_with_carriers(
     let geometry = Geometry::of(&carriers, kind, None, (&support, &coarse), [options.eigenpairs, wanted], progress)?;
     let Geometry { laplacian, basis, report, features, surface } = geometry;
     repairs.extend(not_proved(&report, &basis));
-    let (reliability, doubt) = reliability(&used, &carriers, &laplacian.mass);
+    let (reliability, doubt) = reliability(as_read.points(), &carriers, &laplacian.mass);
     repairs.extend(doubt);
 
     let info = Info {

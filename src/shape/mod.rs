@@ -4,6 +4,7 @@ mod axis;
 mod error;
 mod faces;
 mod orientation;
+mod outliers;
 mod placeless;
 mod planes;
 mod repair;
@@ -29,13 +30,13 @@ pub use repair::Repair;
 pub use resampled::{Resampled, resampled};
 pub use sample::{farthest_points, nearest_samples};
 pub use scene::{Aside, LeftOut, Proposal, proposals};
-pub use shells::{Shells, garments, shells};
+pub use shells::{Shells, loose_pieces, shells};
 #[cfg(feature = "train")]
 pub use simplify::{Simplified, draw_together};
 pub use simplify::{THIN_LIMIT, cells, simplify};
 pub use spikes::without_spikes;
 pub use steps::coarse_steps;
-pub use strays::{Strays, set_strays_aside};
+pub use strays::{Strays, set_strays_aside, thin_parts};
 pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;

@@ -1,5 +1,7 @@
 //! Flat patches of a surface: floors, walls, the sides of furniture.
 
+use std::collections::BTreeSet;
+
 use faer::{Mat, Side};
 
 use crate::graph::{Forest, Neighbours};
@@ -26,6 +28,8 @@ pub struct Patch {
     pub points: Vec<u32>,
     /// Root of the mean squared distance of these from the plane.
     pub roughness: f64,
+    /// Standard deviation of the distance of points from the plane, on it or beside those that are, by their median.
+    pub noise: f64,
 }
 
 impl Patch {
@@ -75,7 +79,11 @@ pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) 
         if patch.len() as f64 >= LEAST * n as f64 {
             let squares = patch.iter().map(|&i| (dot(normal, points[i as usize]) - offset).powi(2));
             let roughness = (squares.sum::<f64>() / patch.len() as f64).sqrt();
-            patches.push(Patch { normal, offset, points: patch, roughness });
+            let around: BTreeSet<u32> = patch.iter().flat_map(|&i| neighbours.of(i as usize)).copied().collect();
+            let mut off: Vec<f64> = around.iter().map(|&i| (dot(normal, points[i as usize]) - offset).abs()).collect();
+            let middle = off.len() / 2;
+            let noise = 1.48 * *off.select_nth_unstable_by(middle, f64::total_cmp).1;
+            patches.push(Patch { normal, offset, points: patch, roughness, noise });
         }
     }
     patches.sort_by_key(|patch| std::cmp::Reverse(patch.points.len()));
@@ -112,6 +120,11 @@ pub(super) struct Plane {
 }
 
 impl Plane {
+    /// Distance of a place from the plane, signed.
+    pub(super) fn height(&self, place: [f64; 3]) -> f64 {
+        dot(self.normal, minus(place, self.middle))
+    }
+
     /// By principal components.
     pub(super) fn of(points: &[[f64; 3]]) -> Self {
         let count = points.len().max(1) as f64;

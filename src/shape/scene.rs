@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::planes::{Patch, flat_patches};
 use super::{Shape, resampled};
 use crate::graph::{Forest, Neighbours, components, nearest_neighbours};
-use crate::vector::{longest_side, squared_distance};
+use crate::vector::{middle_side, squared_distance};
 
 /// Points that the scene is looked at with, roughly.
 const PROBES: f64 = 4000.0;
@@ -29,6 +29,8 @@ const CRISP: f64 = 0.15;
 const WIDE: f64 = 0.15;
 /// So much of the rim of a floor, at most, is a border to what stands on it.
 const FREE: f64 = 0.5;
+/// Points that are off a plane by chance are so by no more than this many standard deviations.
+const BY_CHANCE: f64 = 3.0;
 /// Points this near to a patch and to its plane go with it, in the spacing: edges, where no normal tells.
 const BESIDE: f64 = 1.6;
 /// A piece of a mesh of which more than this share goes, goes as a whole; one of which less than the rest goes, stays.
@@ -56,15 +58,21 @@ pub struct Proposal {
 pub struct Aside {
     /// Those of other things: matched with nothing, but where they touch the body.
     pub others: Vec<u32>,
-    /// Those of garments: matched like what they hang on.
+    /// Those of garments: matched like the part of the body that they hang around.
     pub garments: Vec<u32>,
+    /// Not aside but kept: those of parts that are sampled so thinly that they were taken for strays.
+    pub thin_parts: Vec<u32>,
 }
 
 impl Aside {
     /// Also without what is proposed.
     pub fn and(&self, proposal: &Proposal) -> Self {
         let mut both = self.clone();
-        let points = if proposal.what == LeftOut::Garment { &mut both.garments } else { &mut both.others };
+        let points = match proposal.what {
+            LeftOut::Garment => &mut both.garments,
+            LeftOut::NoThinParts => &mut both.thin_parts,
+            LeftOut::Floor | LeftOut::Furniture | LeftOut::OtherThings | LeftOut::Piece => &mut both.others,
+        };
         points.extend(&proposal.points);
         points.sort_unstable();
         points.dedup();
@@ -86,8 +94,12 @@ pub enum LeftOut {
     Furniture,
     /// All but one of the things that do not touch.
     OtherThings,
-    /// A shell around the body, as a skirt is, of which each point goes with the body below it.
+    /// A shell around the body, as a skirt is.
     Garment,
+    /// A piece beside the body that touches it, as a sword or somebody whose hand is held.
+    Piece,
+    /// Nothing: parts that are sampled so thinly that they were taken for strays are the body's.
+    NoThinParts,
 }
 
 /// What a welded mesh or a cloud, without the points `aside`, may be without. Proposals of one kind exclude each other; each has another body.
@@ -176,7 +188,8 @@ impl Scene {
 
     /// The side of a plane, 1 or −1, on which nearly all that is not on it lies.
     fn side_of_the_rest(&self, patch: &Patch) -> Option<f64> {
-        let heights = self.places.iter().map(|&place| patch.height(place)).filter(|h| h.abs() > self.spacing);
+        let thick = self.spacing.max(BY_CHANCE * patch.noise);
+        let heights = self.places.iter().map(|&place| patch.height(place)).filter(|h| h.abs() > thick);
         let (above, all) =
             heights.fold((0, 0), |(above, all): (usize, usize), h| (above + usize::from(h > 0.0), all + 1));
         let share = above as f64 / all.max(1) as f64;
@@ -193,7 +206,8 @@ impl Scene {
     fn lies_free(&self, patch: &Patch, side: f64) -> bool {
         let on: BTreeSet<u32> = patch.points.iter().copied().collect();
         let touches = |&&i: &&u32| {
-            let leaves = |&j: &u32| !on.contains(&j) && side * patch.height(self.places[j as usize]) > 0.0;
+            let height = |j: u32| side * patch.height(self.places[j as usize]);
+            let leaves = |&j: &u32| !on.contains(&j) && height(j) > BY_CHANCE * patch.noise;
             self.neighbours.of(i as usize).iter().any(leaves)
         };
         let touching = patch.points.iter().filter(touches).count() as f64;
@@ -221,7 +235,8 @@ impl Scene {
             for i in front {
                 for &j in self.neighbours.of(i as usize) {
                     let (p, q) = (self.places[i as usize], self.places[j as usize]);
-                    if squared_distance(p, q) <= reach && patch.height(q).abs() <= 0.5 * self.spacing {
+                    let thick = (0.5 * self.spacing).max(BY_CHANCE * patch.noise);
+                    if squared_distance(p, q) <= reach && patch.height(q).abs() <= thick {
                         gone[j as usize] = true;
                     }
                 }
@@ -299,7 +314,8 @@ impl Scene {
 /// The spacing at which some thousand points would cover a cloud: by the cells of a grid that it fills. Of many points an even share tells as much.
 fn spacing_of(points: &[Sample]) -> f64 {
     let some: Vec<Sample> = points.iter().step_by(points.len().div_ceil(ENOUGH).max(1)).copied().collect();
-    let mut spacing = longest_side(some.iter().map(|&(place, _)| place)) / 16.0;
+    // A single stray far away is not what cells are measured by.
+    let mut spacing = middle_side(some.iter().map(|&(place, _)| place)) / 16.0;
     // A surface fills four times as many cells of half the size.
     for _ in 0..8 {
         let filled = one_per_cell(&some, spacing).0.len() as f64;

@@ -7,6 +7,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use super::{Aside, LeftOut, Proposal, Resampled, Shape, resampled};
 use crate::graph::{Forest, components};
+use crate::vector::{longest_side, squared_distance};
 
 /// A shell that has at least this share of the area of what it hangs together with is the body by itself; what is left are eyes, nails and the like.
 const BY_ITSELF: f64 = 0.97;
@@ -14,12 +15,14 @@ const BY_ITSELF: f64 = 0.97;
 const NEARLY_MEETS: f64 = 1.5;
 /// No edge of the surface that a body in shells is sampled from is longer, in the same unit.
 const LONGEST_EDGE: f64 = 1.6;
-/// Points that are looked at around each: on the two sides of a cloth there are as many of its own.
-const AROUND: NonZero<usize> = NonZero::new(12).unwrap();
+/// Points that are looked at around each, of those that are left of every shell in cells of half the spacing: on the two sides of a cloth there are as many of its own.
+const AROUND: NonZero<usize> = NonZero::new(24).unwrap();
 /// Two shells of which this share of the points nearly meets the other are the two sides of one cloth.
 const LINING: f64 = 0.8;
+/// A garment hangs around the body: its middle is nearer to it than this part of the longest side of the box.
+const INSIDE: f64 = 0.06;
 /// What a body may be without has this share of the area of all shells.
-const GARMENT: [f64; 2] = [0.04, 0.7];
+const LOOSE: [f64; 2] = [0.02, 0.75];
 
 /// A body put together from shells.
 pub struct Shells {
@@ -64,12 +67,13 @@ pub fn shells(shape: &Shape, points: usize) -> Option<Shells> {
     (most < BY_ITSELF * sum).then_some(shells)
 }
 
-/// Shells that a body put together from them may be without, as a skirt is one. Geometry cannot tell it from a trunk: who knows what bodies look like chooses.
-pub fn garments(shape: &Shape, aside: &Aside, points: usize) -> Vec<Proposal> {
+/// Shells that a body put together from them may be without, as a skirt, a sword or another person is one, the smallest first. Geometry cannot tell them from a trunk:
+/// who knows what bodies look like chooses.
+pub fn loose_pieces(shape: &Shape, aside: &Aside, points: usize) -> Vec<Proposal> {
     let mut faces = shape.faces().to_vec();
     faces.retain(|face| face.iter().all(|&i| aside.leaves(i)));
     let left = Resampled::without_added(shape, faces).shape;
-    shells(&left, points).map(|shells| shells.garments()).unwrap_or_default()
+    shells(&left, points).map(|shells| shells.loose()).unwrap_or_default()
 }
 
 impl Shells {
@@ -81,8 +85,14 @@ impl Shells {
     /// Tells for each point its shell and the others that have points near it.
     fn near_others(&self, mut tell: impl FnMut(u32, &BTreeSet<u32>)) {
         let shape = &self.surface.shape;
-        let used = shape.points_in_faces();
-        let places: Vec<[f64; 3]> = used.iter().map(|&i| shape.points()[i as usize]).collect();
+        let place = |i: u32| shape.points()[i as usize];
+        let cell = 0.5 * self.near / NEARLY_MEETS;
+        let mut cells = BTreeMap::new();
+        for i in shape.points_in_faces() {
+            cells.entry((self.shell_of(i), place(i).map(|x| (x / cell).floor() as i64))).or_insert(i);
+        }
+        let used: Vec<u32> = cells.into_values().collect();
+        let places: Vec<[f64; 3]> = used.iter().map(|&i| place(i)).collect();
         let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&places) else { return };
         for (&i, place) in used.iter().zip(&places) {
             let near = tree.query(place).nearest_n::<SquaredEuclidean<f64>>(AROUND).execute();
@@ -94,7 +104,7 @@ impl Shells {
     }
 
     /// Shells that the body may be without, each with its lining.
-    fn garments(&self) -> Vec<Proposal> {
+    fn loose(&self) -> Vec<Proposal> {
         let mut points = vec![0_usize; self.area.len()];
         let mut met: BTreeMap<(u32, u32), usize> = BTreeMap::new();
         self.near_others(|shell, others| {
@@ -116,13 +126,22 @@ impl Shells {
             *share.entry(cloths.root(shell)).or_default() += area / total;
         }
         let used = self.surface.shape.points_in_faces();
-        let is_garment = |&(_, share): &(u32, f64)| (GARMENT[0]..GARMENT[1]).contains(&share);
+        let is_loose = |&(_, share): &(u32, f64)| (LOOSE[0]..LOOSE[1]).contains(&share);
         let uploaded = (0..).zip(&self.shell).filter(|(i, _)| used.binary_search(i).is_ok());
         let uploaded: Vec<(u32, u32)> = uploaded.map(|(i, &shell)| (i, cloths.root(shell))).collect();
-        let garment = |(cloth, share)| {
+        let place = |i: u32| self.surface.shape.points()[i as usize];
+        let inside = (INSIDE * longest_side(used.iter().map(|&i| place(i)))).powi(2);
+        let piece = |(cloth, share)| {
+            let (own, others): (Vec<u32>, Vec<u32>) =
+                used.iter().partition(|&&i| cloths.root(self.shell_of(i)) == cloth);
+            let middle = std::array::from_fn(|c| own.iter().map(|&i| place(i)[c]).sum::<f64>() / own.len() as f64);
+            let hangs = others.iter().any(|&i| squared_distance(place(i), middle) < inside);
+            let what = if hangs { LeftOut::Garment } else { LeftOut::Piece };
             let points = uploaded.iter().filter(|(_, of)| *of == cloth).map(|&(i, _)| i);
-            Proposal { what: LeftOut::Garment, points: points.collect(), share }
+            Proposal { what, points: points.collect(), share }
         };
-        share.into_iter().filter(is_garment).map(garment).collect()
+        let mut loose: Vec<Proposal> = share.into_iter().filter(is_loose).map(piece).collect();
+        loose.sort_unstable_by(|a, b| a.share.total_cmp(&b.share).then(a.points.cmp(&b.points)));
+        loose
     }
 }

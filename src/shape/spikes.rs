@@ -2,6 +2,7 @@
 
 use super::Shape;
 use crate::graph::EdgeGraph;
+use crate::vector::middle_side;
 
 /// An edge is long where it has this many times the length that is usual around it.
 const LONG: f64 = 8.0;
@@ -15,7 +16,8 @@ const AT_LEAST: f64 = 0.03;
 pub fn without_spikes(shape: &Shape) -> Option<Vec<[u32; 3]>> {
     let graph = EdgeGraph::of_faces(shape.points(), shape.faces());
     let usual: Vec<f64> = (0..graph.len()).map(|i| median(graph.lengths(i).to_vec())).collect();
-    let at_least = AT_LEAST * middle_side(shape, &usual);
+    let in_faces = shape.points().iter().zip(&usual).filter(|(_, usual)| **usual > 0.0).map(|(p, _)| *p);
+    let at_least = AT_LEAST * middle_side(in_faces);
     let spike: Vec<bool> = (0..graph.len())
         .map(|i| {
             let shortest = graph.lengths(i).iter().copied().fold(f64::INFINITY, f64::min);
@@ -33,21 +35,6 @@ pub fn without_spikes(shape: &Shape) -> Option<Vec<[u32; 3]>> {
     };
     let kept: Vec<[u32; 3]> = shape.faces().iter().copied().filter(on_surface).collect();
     (kept.len() < shape.faces().len()).then_some(kept)
-}
-
-/// The longest side of the box around the points of faces, without the outermost hundredth on each side.
-fn middle_side(shape: &Shape, usual: &[f64]) -> f64 {
-    let side = |c: usize| {
-        let in_faces = shape.points().iter().zip(usual).filter(|(_, usual)| **usual > 0.0);
-        let mut along: Vec<f64> = in_faces.map(|(p, _)| p[c]).collect();
-        along.sort_unstable_by(f64::total_cmp);
-        let cut = along.len() / 100;
-        match &along[cut.min(along.len())..along.len() - cut.min(along.len())] {
-            [first, .., last] => last - first,
-            _ => 0.0,
-        }
-    };
-    (0..3).map(side).fold(0.0, f64::max)
 }
 
 /// The lower one of two in the middle: at the corner of a sheet a curtain has as many edges as the sheet.

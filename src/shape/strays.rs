@@ -4,15 +4,14 @@ use std::collections::BTreeSet;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
+use super::outliers::{AROUND, without_outliers};
 use super::planes::Plane;
-use super::{Aside, Shape};
-use crate::graph::{components, nearest_neighbours};
+use super::{Aside, LeftOut, Proposal, Shape};
+use crate::graph::components;
 use crate::vector::{cross, longest_side, minus, norm};
 
 /// A piece with less than this share of the largest piece's surface is a stray piece. Of many pieces alike none is.
 const STRAY: f64 = 0.01;
-/// Neighbours that tell how dense a cloud is around a point.
-const AROUND: usize = 8;
 /// Two points of a cloud hang together up to this many times the distance to which the one of them in the denser place has its neighbours.
 const GAP: f64 = 3.0;
 /// Where neighbours are this many times farther away than those of the median point a piece of a cloud must show that it is a surface.
@@ -21,12 +20,16 @@ const SPARSE: f64 = 4.0;
 const WIDEST: f64 = 0.1;
 /// Nor where it has less than this share of the points: curtains behind a body are flat, too.
 const ENOUGH: f64 = 0.015;
+/// What was taken for no surface and has this share of the area may be a limb all the same: a network can tell.
+const LIMB: f64 = 0.02;
 /// Nor where the points around one are less flat in the median: on a body of 300 points it is 0.066, where points fill space 0.12.
 const FLAT: f64 = 0.075;
 /// A stray piece or a vertex in no face this far (in lengths of the body's box) from the body is unmatched; a nearer one, like an eye or a nail, goes with the body.
 const FAR: f64 = 0.02;
 /// The same for what was set aside as a floor or the like, and may be the soles that stand on it.
 const SOLES: f64 = 0.04;
+/// The same for a garment.
+const HANGS: f64 = 0.25;
 
 /// Points of a shape that its operator does without.
 pub struct Strays {
@@ -40,7 +43,7 @@ pub struct Strays {
     pub pieces: usize,
     /// Vertices of a mesh that are in no face and far from the body, ascending.
     pub far_vertices: Vec<u32>,
-    /// Those that were aside before and are far from the body, with their copies, ascending.
+    /// Those that were aside before and are far from the body, with their copies.
     pub far_aside: Vec<u32>,
 }
 
@@ -59,7 +62,11 @@ impl Strays {
 /// body is the first that an even sampling picks.
 pub fn set_strays_aside(shape: &Shape, surface: &[u32], aside: &Aside) -> Strays {
     let (piece, weight) = match shape.faces().is_empty() {
-        true => pieces_of_cloud(&at(shape, surface)),
+        true => {
+            let kept: Vec<bool> = surface.iter().map(|i| aside.thin_parts.binary_search(i).is_ok()).collect();
+            let pieces = PiecesOfCloud::of(&at(shape, surface), &kept);
+            (pieces.piece, pieces.area)
+        }
         false => pieces_of_mesh(shape, surface),
     };
     let largest = weight.iter().copied().fold(0.0, f64::max);
@@ -76,14 +83,15 @@ pub fn set_strays_aside(shape: &Shape, surface: &[u32], aside: &Aside) -> Strays
     let [aside, garments] = [&aside.others, &aside.garments].map(|points| with_copies(points, first));
     let mut bare = points_in_no_face(shape, surface);
     bare.retain(|i| aside.binary_search(i).is_err() && garments.binary_search(i).is_err());
-    if strays.is_empty() && bare.is_empty() && aside.is_empty() {
+    if strays.is_empty() && bare.is_empty() && aside.is_empty() && garments.is_empty() {
         return Strays { body, strays, far: Vec::new(), pieces: 0, far_vertices: Vec::new(), far_aside: Vec::new() };
     }
     let from_body = |points: &[u32], far: f64| far_from(&at(shape, &body), &at(shape, points), points, far);
     // What is in no face may be a corner of a garment that lies on another one.
     let dressed = [&body[..], &garments[..]].concat();
     let far_vertices = far_from(&at(shape, &dressed), &at(shape, &bare), &bare, FAR);
-    let far_aside = from_body(&aside, SOLES);
+    let mut far_aside = from_body(&aside, SOLES);
+    far_aside.extend(from_body(&garments, HANGS));
     let far = from_body(&strays, FAR);
     let [strays, far] = [strays, far].map(|points| with_copies(&points, first));
     Strays { body, strays, far, pieces: pieces.len(), far_vertices, far_aside }
@@ -115,8 +123,19 @@ fn at(shape: &Shape, points: &[u32]) -> Vec<[f64; 3]> {
 fn far_from(body: &[[f64; 3]], strays: &[[f64; 3]], names: &[u32], far: f64) -> Vec<u32> {
     let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(body) else { return Vec::new() };
     let reach = far * longest_side(body.iter().copied());
+    // The nearest of points that are all far away takes long to find; in the cells around lies nothing then.
+    let cell = |p: &[f64; 3]| p.map(|x| (x / reach).floor() as i64);
+    let filled: BTreeSet<[i64; 3]> = body.iter().map(cell).collect();
+    let near_by = |[x, y, z]: [i64; 3]| {
+        let steps = || -1..=1;
+        let around = steps().flat_map(|dx| steps().flat_map(move |dy| steps().map(move |dz| (dx, dy, dz))));
+        around
+            .into_iter()
+            .any(|(dx, dy, dz)| filled.contains(&[x.saturating_add(dx), y.saturating_add(dy), z.saturating_add(dz)]))
+    };
     let squared = |p: &[f64; 3]| tree.query(p).nearest_one::<SquaredEuclidean<f64>>().execute().distance;
-    strays.iter().zip(names).filter(|(p, _)| squared(p) > reach * reach).map(|(_, &name)| name).collect()
+    let is_far = |p: &[f64; 3]| !near_by(cell(p)) || squared(p) > reach * reach;
+    strays.iter().zip(names).filter(|(p, _)| is_far(p)).map(|(_, &name)| name).collect()
 }
 
 /// For each of `surface` its connected piece over the faces, and the area of each piece.
@@ -131,46 +150,83 @@ fn pieces_of_mesh(shape: &Shape, surface: &[u32]) -> (Vec<u32>, Vec<f64>) {
     (surface.iter().map(|&i| piece[i as usize]).collect(), area)
 }
 
-/// For each point its piece, of those that hang together at their own density, and the area of each piece; none of what is no surface.
+/// Points of a cloud in pieces that hang together at their own density.
 ///
 /// What is sampled thinly is a piece of its own, and part of the body as long as it is a surface: its points lie near each other against the size of the scan, and
 /// flat. Points that a scanner sees in the air are few, or far from each other, or fill space.
-fn pieces_of_cloud(points: &[[f64; 3]]) -> (Vec<u32>, Vec<f64>) {
-    let neighbours = nearest_neighbours(points, AROUND);
-    let n = neighbours.len();
-    let reach: Vec<f64> = (0..n).map(|i| neighbours.distances(i).last().copied().unwrap_or(0.0)).collect();
-    let limit = SPARSE * median(reach.iter().copied());
-    // A tenth of the points is no dirt but a part that was scanned more coarsely.
-    let sparse = reach.iter().filter(|&&r| r > limit).count();
-    let limit = if sparse * 10 < reach.len() { limit } else { f64::INFINITY };
-    let edges = (0..n).flat_map(|i| {
-        let (reach, neighbours) = (&reach, &neighbours);
-        let near = neighbours.of(i).iter().zip(neighbours.distances(i));
-        let hang_together = move |j: u32, d: f64| {
-            let (one, other) = (reach[i], reach[j as usize]);
-            let mutual = || one > limit && neighbours.of(j as usize).contains(&(i as u32));
-            (one > limit) == (other > limit) && (d <= GAP * one.min(other) || mutual())
-        };
-        near.filter(move |&(&j, &d)| hang_together(j, d)).map(move |(&j, _)| (i as u32, j))
-    });
-    let (piece, count) = components(points.len(), edges);
-    let mut members = vec![Vec::new(); count];
-    piece.iter().zip(0..).for_each(|(&piece, i)| members[piece as usize].push(i));
-    let widest = WIDEST * longest_side(points.iter().copied());
-    let area = members.iter().map(|members: &Vec<u32>| {
-        let thin = members.iter().any(|&i| reach[i as usize] > limit);
-        let surface = || {
-            let around =
-                |i: u32| neighbours.of(i as usize).iter().chain([&i]).map(|&j| points[j as usize]).collect::<Vec<_>>();
-            let flatness = |&i: &u32| Plane::of(&around(i)).spread_off;
-            members.len() as f64 >= ENOUGH * n as f64
-                && median(members.iter().map(|&i| reach[i as usize])) <= widest
-                && median(members.iter().map(flatness)) <= FLAT
-        };
-        if !thin || surface() { members.iter().map(|&i| reach[i as usize].powi(2)).sum() } else { 0.0 }
-    });
-    let area = area.collect();
-    (piece, area)
+struct PiecesOfCloud {
+    /// For each point its piece.
+    piece: Vec<u32>,
+    /// The area of each piece; none of what is no surface.
+    area: Vec<f64>,
+    /// The area of those pieces that have none here and may have one all the same.
+    thin: Vec<f64>,
+}
+
+impl PiecesOfCloud {
+    /// Pieces with points that are `kept` are surface all the same.
+    fn of(all: &[[f64; 3]], kept: &[bool]) -> Self {
+        let (on_surface, neighbours) = without_outliers(all);
+        let points: Vec<[f64; 3]> = on_surface.iter().map(|&i| all[i as usize]).collect();
+        let kept: Vec<bool> = on_surface.iter().map(|&i| kept[i as usize]).collect();
+        let n = neighbours.len();
+        let reach: Vec<f64> = (0..n).map(|i| neighbours.distances(i).last().copied().unwrap_or(0.0)).collect();
+        let limit = SPARSE * median(reach.iter().copied());
+        let around =
+            |i: u32| neighbours.of(i as usize).iter().chain([&i]).map(|&j| points[j as usize]).collect::<Vec<_>>();
+        let flatness = |&i: &u32| Plane::of(&around(i)).spread_off;
+        // A tenth of the points is no dirt but a part that was scanned more coarsely, unless it fills space.
+        let sparse: Vec<u32> = (0..n as u32).filter(|&i| reach[i as usize] > limit).collect();
+        let dirt = sparse.len() * 10 < n || median(sparse.iter().map(flatness)) > FLAT;
+        let limit = if dirt { limit } else { f64::INFINITY };
+        let edges = (0..n).flat_map(|i| {
+            let (reach, neighbours) = (&reach, &neighbours);
+            let near = neighbours.of(i).iter().zip(neighbours.distances(i));
+            let hang_together = move |j: u32, d: f64| {
+                let (one, other) = (reach[i], reach[j as usize]);
+                let mutual = || one > limit && neighbours.of(j as usize).contains(&(i as u32));
+                (one > limit) == (other > limit) && (d <= GAP * one.min(other) || mutual())
+            };
+            near.filter(move |&(&j, &d)| hang_together(j, d)).map(move |(&j, _)| (i as u32, j))
+        });
+        let (piece, count) = components(points.len(), edges);
+        let mut members = vec![Vec::new(); count];
+        piece.iter().zip(0..).for_each(|(&piece, i)| members[piece as usize].push(i));
+        let widest = WIDEST * longest_side(points.iter().copied());
+        let (mut area, mut thin) = (vec![0.0; count], vec![0.0; count]);
+        for (number, members) in members.iter().enumerate() {
+            let spread: f64 = members.iter().map(|&i: &u32| reach[i as usize].powi(2)).sum();
+            let near = || median(members.iter().map(|&i| reach[i as usize])) <= widest;
+            let surface =
+                || members.len() as f64 >= ENOUGH * n as f64 && near() && median(members.iter().map(flatness)) <= FLAT;
+            let dense = !members.iter().any(|&i| reach[i as usize] > limit);
+            if dense || members.iter().any(|&i| kept[i as usize]) || surface() {
+                area[number] = spread;
+            } else if members.len() > AROUND && near() {
+                thin[number] = spread;
+            }
+        }
+        // Every outlier is a piece of its own.
+        let mut of_all: Vec<u32> = (count as u32..).take(all.len()).collect();
+        on_surface.iter().zip(piece).for_each(|(&i, piece)| of_all[i as usize] = piece);
+        area.resize(count + all.len(), 0.0);
+        thin.resize(count + all.len(), 0.0);
+        Self { piece: of_all, area, thin }
+    }
+}
+
+/// Pieces of a cloud, of those not `aside`, that are sampled so thinly that they are taken for strays, and may be limbs.
+pub fn thin_parts(shape: &Shape, aside: &Aside) -> Option<Proposal> {
+    let first = shape.first_at_place();
+    let is_first = |i: &u32| first[*i as usize] == *i && shape.placeless().binary_search(i).is_err();
+    let surface: Vec<u32> = (0..first.len() as u32).filter(is_first).filter(|&i| aside.leaves(i)).collect();
+    let surface = &surface[..];
+    let PiecesOfCloud { piece, area, thin } = PiecesOfCloud::of(&at(shape, surface), &vec![false; surface.len()]);
+    let all: f64 = area.iter().chain(&thin).sum();
+    let is_limb = |piece: u32| thin[piece as usize] >= LIMB * all;
+    let points: Vec<u32> = surface.iter().zip(&piece).filter(|(_, piece)| is_limb(**piece)).map(|(&i, _)| i).collect();
+    let share = thin.iter().filter(|&&thin| thin >= LIMB * all).sum::<f64>() / all;
+    (!points.is_empty()).then_some(Proposal { what: LeftOut::NoThinParts, points, share })
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {
