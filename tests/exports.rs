@@ -69,6 +69,21 @@ fn written(folder: &Path, output: &str) -> Vec<u8> {
     std::fs::read(folder.join(output)).expect("a file")
 }
 
+#[test]
+fn no_scan_is_written_over() {
+    let folder = folder("written-over", false);
+    std::fs::copy(folder.join("b.off"), folder.join("map.b.ply")).expect("copied");
+    let before = std::fs::read(folder.join("map.b.ply")).expect("a scan");
+    let ran = Command::new(env!("CARGO_BIN_EXE_geose-fmap"))
+        .current_dir(&folder)
+        .args(["match", "a.off", "./map.b.ply", "-o", "map.ply"])
+        .output()
+        .expect("the program");
+    assert!(!ran.status.success());
+    assert!(String::from_utf8_lossy(&ran.stderr).contains("map.b.ply is one of the scans"));
+    assert_eq!(std::fs::read(folder.join("map.b.ply")).expect("a scan"), before);
+}
+
 /// Targets of the points of A, as the CSV says.
 fn targets(folder: &Path) -> Vec<usize> {
     let csv = String::from_utf8(written(folder, "map.csv")).expect("text");

@@ -61,9 +61,26 @@ impl MapFile {
         Ok(Self { path, kind })
     }
 
-    /// Says before the work that there is no folder to write to.
-    pub(super) fn check(&self) -> Result<(), Failure> {
-        check_folder(&self.path)
+    /// Says before the work that there is no folder to write to, or that one of the `scans` would be written over.
+    pub(super) fn check(&self, scans: &[&Path]) -> Result<(), Failure> {
+        check_folder(&self.path)?;
+        let second = match self.kind {
+            Kind::Ply => Some("b.ply"),
+            Kind::Glb => Some("b.glb"),
+            Kind::Csv | Kind::Json => None,
+        };
+        let written = [Some(self.path.clone()), second.map(|extension| self.path.with_extension(extension))];
+        for file in written.into_iter().flatten() {
+            let place = file.canonicalize();
+            if place.is_ok_and(|place| scans.iter().any(|scan| scan.canonicalize().is_ok_and(|scan| scan == place))) {
+                return Err(format!(
+                    "{} is one of the scans, and would be written over: choose another name",
+                    file.display()
+                )
+                .into());
+            }
+        }
+        Ok(())
     }
 
     /// Writes the map. Bodies are two files, of which the second has `.b` before its extension.

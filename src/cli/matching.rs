@@ -44,7 +44,7 @@ fn pair(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.output.check()?;
+    arguments.output.check(&[&arguments.a, &arguments.b])?;
     let mut on = arguments.running.processor()?;
     let a = prepare_scan(&arguments.a, arguments.reading, &arguments.preparing, &mut on)?;
     let b = prepare_scan(&arguments.b, arguments.reading, &arguments.preparing, &mut on)?;

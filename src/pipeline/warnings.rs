@@ -38,7 +38,7 @@ pub(crate) fn of_shapes(a: &PreparedShape, b: &PreparedShape) -> Vec<Warning> {
     for (scan, shape) in [("A", a), ("B", b)] {
         if shape.info.pieces > 1 {
             let message = format!(
-                "scan {scan} is in {} pieces; how they hang together is not known: a floor or a second body among them should be cut off",
+                "scan {scan} is in {} pieces with gaps between them, and how they hang together is not known: close the gaps, or cut off what is no part of the body",
                 shape.info.pieces
             );
             warnings.push(Warning::new("several-pieces", message));

@@ -5,13 +5,15 @@ use crate::graph::{Neighbours, nearest_neighbours};
 
 /// Neighbours of a point that are looked at.
 pub(super) const AROUND: usize = 8;
-/// The neighbour that tells how dense a cloud is at a point, and those of lowest distance to it that tell how dense it is around.
+/// The neighbour that tells how dense a cloud is at a point, and the place among all neighbours, the densest first, of the one that tells how dense it is around.
 const THIRD: usize = 2;
 const DENSER: usize = 2;
-/// A point is an outlier where the cloud around it is this many times as dense as at it.
-const SPARSER: f64 = 2.0;
+/// An outlier is this many times as far from its nearest neighbour as points around it from their third.
+const APART: f64 = 1.5;
 /// And it lies off the plane of its neighbours by this part of its distance from them: the first points where sampling becomes thin lie on it.
 const OFF: f64 = 0.6;
+/// And no more points than this have it among their own neighbours: where a surface is sampled thinly beside another, those around it have.
+const FEW: usize = 2;
 /// Outliers near each other hide each other: what is left is looked at so many times.
 const ROUNDS: usize = 5;
 
@@ -21,7 +23,10 @@ pub(super) fn without_outliers(points: &[[f64; 3]]) -> (Vec<u32>, Neighbours) {
     let mut places = points.to_vec();
     let mut neighbours = nearest_neighbours(&places, AROUND);
     for _ in 0..ROUNDS {
-        let stays: Vec<bool> = (0..places.len()).map(|i| !is_outlier(&places, &neighbours, i)).collect();
+        let mut asked_for = vec![0_usize; places.len()];
+        (0..places.len()).for_each(|i| neighbours.of(i).iter().for_each(|&j| asked_for[j as usize] += 1));
+        let stays = (0..places.len()).map(|i| asked_for[i] > FEW || !is_outlier(&places, &neighbours, i));
+        let stays: Vec<bool> = stays.collect();
         if stays.iter().all(|&stays| stays) {
             break;
         }
@@ -38,11 +43,12 @@ fn is_outlier(places: &[[f64; 3]], neighbours: &Neighbours, i: usize) -> bool {
     let mut around: [f64; AROUND] = [f64::INFINITY; AROUND];
     around.iter_mut().zip(neighbours.of(i)).for_each(|(slot, &j)| *slot = density(j as usize));
     let (_, &mut usual, _) = around.select_nth_unstable_by(DENSER, f64::total_cmp);
-    if density(i) <= SPARSER * usual {
+    let nearest = neighbours.distances(i).first().copied().unwrap_or(0.0);
+    if nearest <= APART * usual {
         return false;
     }
     let near: Vec<[f64; 3]> = neighbours.of(i).iter().map(|&j| places[j as usize]).collect();
-    Plane::of(&near).height(places[i]).abs() > OFF * density(i)
+    Plane::of(&near).height(places[i]).abs() > OFF * nearest
 }
 
 #[cfg(test)]

@@ -2,10 +2,12 @@
 
 use super::Shape;
 use crate::graph::EdgeGraph;
-use crate::vector::middle_side;
+use crate::vector::{cross, middle_side, minus, norm, plus};
 
 /// An edge is long where it has this many times the length that is usual around it.
 const LONG: f64 = 8.0;
+/// Faces around a vertex lie in one plane where their vector areas add up to this part of their areas: a hole is often closed by such a fan.
+const FLAT: f64 = 0.9;
 /// And this part of the longest side of the box around the middle 98 % of the points.
 const AT_LEAST: f64 = 0.03;
 
@@ -18,11 +20,12 @@ pub fn without_spikes(shape: &Shape) -> Option<Vec<[u32; 3]>> {
     let usual: Vec<f64> = (0..graph.len()).map(|i| median(graph.lengths(i).to_vec())).collect();
     let in_faces = shape.points().iter().zip(&usual).filter(|(_, usual)| **usual > 0.0).map(|(p, _)| *p);
     let at_least = AT_LEAST * middle_side(in_faces);
+    let flat = flat_fans(shape);
     let spike: Vec<bool> = (0..graph.len())
         .map(|i| {
             let shortest = graph.lengths(i).iter().copied().fold(f64::INFINITY, f64::min);
             let around = || median(graph.neighbours(i).iter().map(|&j| usual[j as usize]).collect());
-            shortest.is_finite() && shortest > at_least && shortest > LONG * around()
+            shortest.is_finite() && shortest > at_least && !flat[i] && shortest > LONG * around()
         })
         .collect();
     let long = |i: u32, j: u32| {
@@ -35,6 +38,20 @@ pub fn without_spikes(shape: &Shape) -> Option<Vec<[u32; 3]>> {
     };
     let kept: Vec<[u32; 3]> = shape.faces().iter().copied().filter(on_surface).collect();
     (kept.len() < shape.faces().len()).then_some(kept)
+}
+
+/// Whether the faces around each vertex lie in one plane.
+fn flat_fans(shape: &Shape) -> Vec<bool> {
+    let mut areas = vec![([0.0; 3], 0.0); shape.points().len()];
+    for &face in shape.faces() {
+        let [a, b, c] = face.map(|i| shape.points()[i as usize]);
+        let vector = cross(minus(b, a), minus(c, a));
+        for i in face {
+            let (sum, all) = &mut areas[i as usize];
+            (*sum, *all) = (plus(*sum, vector), *all + norm(vector));
+        }
+    }
+    areas.into_iter().map(|(sum, all)| norm(sum) >= FLAT * all).collect()
 }
 
 /// The lower one of two in the middle: at the corner of a sheet a curtain has as many edges as the sheet.
@@ -67,6 +84,26 @@ mod tests {
         let kept = without_spikes(&Shape::already_valid(points, faces.clone(), None)).expect("a spike");
         assert_eq!(kept.len(), faces.len() - 6);
         assert!(!kept.iter().flatten().any(|&i| i == 400));
+    }
+
+    #[test]
+    fn a_fan_that_closes_a_hole_is_no_spike() {
+        // A bowl of fine rings, closed by one point in the middle of its rim.
+        let ring = |r: u32| {
+            let (wide, deep) = (f64::from(r) * std::f64::consts::PI / 80.0).sin_cos();
+            (0..200).map(move |i| {
+                let turn = f64::from(i) * std::f64::consts::TAU / 200.0;
+                [wide * turn.cos(), wide * turn.sin(), -deep]
+            })
+        };
+        let mut points: Vec<[f64; 3]> = (2..=40).flat_map(ring).collect();
+        let middle = points.len() as u32;
+        points.push([0.0, 0.0, 0.0]);
+        let next = |i: u32| if i % 200 == 199 { i - 199 } else { i + 1 };
+        let mut faces: Vec<[u32; 3]> =
+            (0..38 * 200).flat_map(|i| [[i, next(i), i + 200], [next(i), next(i) + 200, i + 200]]).collect();
+        faces.extend((38 * 200..39 * 200).map(|i| [i, next(i), middle]));
+        assert_eq!(without_spikes(&Shape::already_valid(points, faces, None)), None);
     }
 
     #[test]

@@ -35,13 +35,14 @@ pub fn coarse_steps(points: &[[f64; 3]]) -> Option<(f64, f64)> {
     // Digits end at a power of ten, at the same along every axis.
     let digit = 10.0_f64.powf(widest.log10().round());
     let of_digits = coarse.iter().all(|&c| (steps[c] / digit - 1.0).abs() < ROUND);
-    // The step of single precision at the far end of an axis, which differs from axis to axis: what is fine along one axis lies in sheets along another.
+    // The step of single precision at the far end of an axis.
     let of_precision = coarse.iter().any(|&c| {
         let reach = points.iter().fold(0.0_f64, |most, p| most.max(p[c].abs())) as f32;
         let ulp = f64::from(f32::from_bits(reach.to_bits() + 1)) - f64::from(reach);
         steps[c] <= 2.0 * ulp
     });
-    let sheets = coarse.len() < 3 || !alike;
+    // It differs from axis to axis: what is fine along one lies in sheets along another. A box of squares has steps along all three.
+    let sheets = coarse.len() < 3;
     (of_precision || !grid && (of_digits || sheets)).then_some((widest, spacing))
 }
 
