@@ -41,7 +41,7 @@ pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;
 
-use weld::{first_at_place, joined, weld};
+use weld::{first_at_place, joined, weld, welded};
 
 /// Fewest points a shape may have (below it no spectrum worth the name exists).
 pub const MIN_POINTS: usize = 50;
@@ -133,7 +133,7 @@ impl Shape {
             let met = if faces.is_empty() { "kept as they are" } else { "kept, and the faces there taken as joined" };
             format!("{} exactly where another one is; {met}", counted(duplicates, "point lies", "points lie"))
         }));
-        let (first, seams) = joined(&points, &faces);
+        let (first, seams) = joined(&points, &faces, first);
         repairs.extend(Repair::counted("seams-joined", seams, || {
             format!(
                 "{} at open borders so close to another one that rounding must have parted them; the faces there taken as joined",
@@ -141,7 +141,9 @@ impl Shape {
             )
         }));
         faces::notice_bare_points(points.len(), &faces, &placeless, &mut repairs);
-        faces::notice_topology(points.len(), &weld(&faces, &first), &mut repairs);
+        if !faces.is_empty() {
+            faces::notice_topology(points.len(), welded(&faces, &first), &mut repairs);
+        }
         let shape = Self { points, faces, labels, repairs, up: None, placeless, first: OnceLock::new() };
         Ok(shape)
     }
@@ -204,7 +206,7 @@ impl Shape {
     /// For each point (n) the first one that is the same point of the surface: at exactly its place, or of a mesh across a seam.
     pub(crate) fn first_at_place(&self) -> &[u32] {
         self.first.get_or_init(|| {
-            let (mut first, _) = joined(&self.points, &self.faces);
+            let (mut first, _) = joined(&self.points, &self.faces, first_at_place(&self.points));
             // Points without a place lie where the first other one does, and are nobody's copies, nor is it theirs.
             let placeless = |i: &u32| self.placeless.binary_search(i).is_ok();
             if let Some(placed) = (0..first.len() as u32).find(|i| !placeless(i)).filter(|_| !self.placeless.is_empty())
@@ -263,7 +265,7 @@ impl Shape {
 
     /// Points that belong to a face, ascending.
     pub(crate) fn points_in_faces(&self) -> Vec<u32> {
-        let used = faces::used(self.points.len(), &self.faces);
+        let used = faces::used(self.points.len(), self.faces.iter().copied());
         (0..used.len() as u32).filter(|&i| used[i as usize]).collect()
     }
 
