@@ -49,6 +49,17 @@ pub const MIN_POINTS: usize = 50;
 /// Most points a shape may have: an edge is packed into one word as two 31-bit indices and a direction.
 pub const MAX_POINTS: usize = 1 << 31;
 
+/// Bytes that [`Shape::new`] holds at one time for so many points and faces, these included, at most: that is where faces meet nowhere, and each corner is at a border.
+pub(crate) fn memory(points: usize, faces: usize) -> usize {
+    let [n, m] = [points, faces].map(|count| count as f64);
+    let border = n.min(3.0 * m);
+    // Points, faces, and the first point at each place.
+    let always = 28.0 * n + 12.0 * m;
+    // In turn: pieces without area, sides of faces and what is at borders, seams there.
+    let most = [13.0 * n, n + 24.0 * m + 12.0 * border, 8.0 * n + 72.0 * border].into_iter().fold(0.0, f64::max);
+    (always + most) as usize
+}
+
 /// A mesh (`faces` not empty) or a point cloud. Points keep the order and the number they were uploaded
 /// with: index `i` here is index `i` for the user, whatever was repaired.
 #[derive(Clone, Debug)]
