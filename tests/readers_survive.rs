@@ -11,6 +11,8 @@ mod mutation;
 #[path = "readers/sample.rs"]
 mod sample;
 mod shapes;
+#[path = "readers/unfolding.rs"]
+mod unfolding;
 
 use std::panic::catch_unwind;
 use std::time::{Duration, Instant};
@@ -21,9 +23,9 @@ use mutation::broken;
 use sample::all_files;
 use shapes::Random;
 
-/// What reading a file of so many bytes may hold at one time.
+/// What reading a file of so many bytes may hold at one time: what is in it several times may be read that often, as long as it stays small.
 fn allowed(bytes: usize) -> usize {
-    (64 << 20) + 64 * bytes
+    (1 << 20) + (64 * bytes).max(32 << 20)
 }
 
 /// What was seen of all files of a format.
@@ -140,16 +142,83 @@ fn large_good_files_take_memory_in_proportion() {
 }
 
 #[test]
-fn small_files_that_unfold_are_refused_before_they_do() {
+fn files_that_unfold_are_refused_before_they_do() {
     let torus = sample::torus();
-    let mut document = sample::gltf_document(&torus);
-    let nodes: Vec<_> = (0..20_000).map(|_| serde_json::json!({ "mesh": 0 })).collect();
-    document["scenes"][0]["nodes"] = (0..nodes.len()).collect();
-    document["nodes"] = nodes.into();
-    let instances = sample::glb(&document, &sample::gltf_data(&torus));
-    let (result, peak) = peak_of(|| read(&instances, None, None));
-    assert_eq!(result.expect_err("a million points").code(), "too-large");
-    assert!(peak <= allowed(instances.len()), "{peak} held for {}", instances.len());
+    let large = shapes::torus(2.0, 0.7, 400, 200);
+    let large = sample::Sample { points: large.points, faces: large.faces };
+    let lists = |before, item| unfolding::json_of(before, item, "", 2_000_000);
+    let files = [
+        ("zeros", unfolding::zeros(1_000_000, 64)),
+        ("zeros in little", unfolding::zeros(40_000, 1000)),
+        ("instances", unfolding::instances(&torus, 20_000)),
+        ("instances of much", unfolding::instances(&large, 1000)),
+        ("instances of nothing", {
+            let mut document = sample::gltf_document(&torus);
+            document["accessors"]
+                .as_array_mut()
+                .unwrap()
+                .push(serde_json::json!({ "bufferView": 0, "componentType": 5126, "count": 0, "type": "VEC3" }));
+            let empty = serde_json::json!({ "attributes": { "POSITION": 2 } });
+            document["meshes"][0]["primitives"] = vec![empty; 2000].into();
+            document["nodes"] = vec![serde_json::json!({ "mesh": 0 }); 2000].into();
+            document["scenes"][0]["nodes"] = (0..2000).collect();
+            sample::glb(&document, &sample::gltf_data(&torus))
+        }),
+        ("one list of corners", unfolding::drawn_again(500, &large)),
+        ("an accessor of few points", unfolding::sparse(5_000_000)),
+        ("empty objects", lists("\"nodes\":", "{}")),
+        ("objects", lists("\"extras\":", "{\"a\":{}}")),
+        ("scenes", lists("\"nodes\":[{}],\"scenes\":", "{\"nodes\":[0]}")),
+    ];
+    for (what, bytes) in files {
+        let start = Instant::now();
+        let (result, peak) = peak_of(|| read(&bytes, None, None));
+        let error = result.expect_err(what);
+        println!("{what}: {} bytes, {peak} held, {:?}", bytes.len(), start.elapsed());
+        assert_eq!(error.code(), "too-large", "{what}: {error}");
+        let limit = (64 * bytes.len()).max(32 << 20);
+        assert_eq!(error.details()["limit"], limit, "{what}");
+        assert!(error.to_string().contains(&format!("{limit} bytes in memory")), "{what}: {error}");
+        assert!(peak <= (8 << 20) + 32 * bytes.len(), "{what}: {peak} held for {}", bytes.len());
+    }
+}
+
+#[test]
+fn files_that_unfold_as_real_ones_do_are_read_within_their_bounds() {
+    let torus = sample::torus();
+    let many = "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":";
+    let files = [
+        ("a cloud, compressed 13 times", unfolding::walk(2_000_000, false), 1_900_000),
+        ("a fan, compressed 12 times", unfolding::walk(1_000_000, true), 900_000),
+        ("a mesh a thousand times", unfolding::instances(&torus, 1000), 64_000),
+        ("faces of several primitives", unfolding::drawn_again(100, &torus), 64),
+        ("an accessor of few points", unfolding::sparse(500_000), 500_000),
+        ("points that hang on joints eight times", unfolding::hung(400_000), 400_000),
+        ("nothing but roots", unfolding::json_of("\"scenes\":[{\"nodes\":", "0", "}],\"nodes\":[{}]", 2_000_000), 0),
+        ("nothing but children", unfolding::json_of("\"nodes\":[{\"children\":", "0", "}]", 2_000_000), 0),
+        ("nothing but joints", unfolding::json_of("\"nodes\":[{}],\"skins\":[{\"joints\":", "0", "}]", 2_000_000), 0),
+        (
+            "nothing but primitives",
+            unfolding::json_of(
+                many,
+                "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}",
+                "",
+                2_000_000,
+            ),
+            0,
+        ),
+    ];
+    for (what, bytes, points) in files {
+        let start = Instant::now();
+        let (result, peak) = peak_of(|| read(&bytes, None, None));
+        let times = peak as f64 / bytes.len() as f64;
+        println!("{what}: {} bytes, {times:.1} times as many held, {:?}", bytes.len(), start.elapsed());
+        assert!(peak <= allowed(bytes.len()), "{what}: {peak} held for {}", bytes.len());
+        match result {
+            Ok(shape) => assert!(shape.points().len() >= points, "{what}: {}", shape.points().len()),
+            Err(error) => assert!(points == 0 && error.code() != "too-large", "{what}: {error}"),
+        }
+    }
 }
 
 #[test]

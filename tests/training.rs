@@ -17,7 +17,7 @@ use geose_fmap::train::sample::Sample;
 use geose_fmap::train::sample_config::SampleConfig;
 use geose_fmap::{LaplacianKind, PrepareOptions, Progress, Shape, Weights};
 use ndarray::Axis;
-use shapes::{Random, Soup, body};
+use shapes::{Random, Soup, body, icosphere};
 
 fn network() -> ModelConfig {
     ModelConfig {
@@ -171,6 +171,27 @@ fn the_loader_knows_parts_and_no_vertices() {
     let (a, b) = (slopes(mixed), slopes(plain));
     let largest = b.iter().fold(0.0f32, |most, v| most.max(*v));
     same("gradients", &(a / largest), &(b / largest));
+}
+
+#[test]
+fn points_put_between_others_have_the_label_and_the_place_of_the_one_that_stands_for_them() {
+    let shells = icosphere(2).beside(&icosphere(2).moved(|[x, y, z]| [x + 1.4, y, z]));
+    let n = shells.points.len();
+    let labels: Vec<u32> = (0..n).map(|i| u32::from(i >= n / 2)).collect();
+    let places: Vec<[f32; 3]> = labels.iter().map(|&label| [label as f32; 3]).collect();
+    let scan = Shape::new(shells.points, shells.faces, Some(labels)).expect("two balls");
+    let sample = Sample::new(scan, Some(&places), None, &samples()).expect("a sample");
+    assert!(sample.labels.len() > n);
+    for (place, &label) in sample.places.expect("places").rows().into_iter().zip(&sample.labels) {
+        assert_eq!(place[0], label as f32);
+    }
+    // Far to one side every point is of that ball.
+    let far = |row: usize| sample.inputs.points[(row, 0)];
+    let (low, high) = (0..sample.labels.len()).map(far).fold((f32::MAX, f32::MIN), |(a, b), x| (a.min(x), b.max(x)));
+    for (row, &label) in sample.labels.iter().enumerate() {
+        let share = (far(row) - low) / (high - low);
+        assert!((0.4..0.6).contains(&share) || label == u32::from(share > 0.5), "{label} at {share}");
+    }
 }
 
 /// As L_orth takes them to be, so that features can be orthonormal.

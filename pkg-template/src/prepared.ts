@@ -57,7 +57,8 @@ export class PreparedShape {
 
   /**
    * The spectral basis at the uploaded points. Where it was solved for fewer (samples of a cloud, a simplified mesh), the others have the value
-   * of the nearest one, and no mass. The arrays are as large as the scan: n × k numbers of 8 bytes.
+   * of the nearest one, and no mass. Where it was solved for points between them as well (a body put together from shells), uploaded points have the mass
+   * of those they stand for too, and ΦᵀMΦ = I holds only roughly. The arrays are as large as the scan: n × k numbers of 8 bytes.
    */
   spectrum(): Spectrum {
     const block = this.#open();
@@ -145,19 +146,34 @@ function predictedParts(block: Block, count: number): PartTable | null {
   return { labels: rows(Uint8Array, labels, 1, used), probabilities: () => rows(Float32Array, probabilities, count, used) };
 }
 
-/** For each uploaded point the row of the point used that stands for it; null when every point is used. */
+/** For each uploaded point the row of the point used that stands for it; null when every point is used, and no others. */
 function rowsUsed(block: Block): Uint32Array | null {
-  const [carrier, used] = [block.uint32('carrierOf'), block.uint32('usedOf')];
-  return carrier && used ? rows(Uint32Array, used, 1, carrier) : (carrier ?? used);
+  const [nearest, used] = [sampling(block)?.nearest, block.uint32('usedOf')];
+  if (!used) return nearest ?? null;
+  return nearest ? rows(Uint32Array, used, 1, nearest) : used;
 }
 
 type Table = Float64Array<ArrayBuffer> | Float32Array<ArrayBuffer> | Uint32Array<ArrayBuffer> | Uint8Array<ArrayBuffer>;
 
-/** Uploaded index of each row of the basis, and the row that stands for each uploaded point; null when every point has a row of its own. */
+/**
+ * The uploaded point that has the mass of each row of the basis, and the row that stands for each uploaded point; null when every point has a row of its own,
+ * and there are no others.
+ */
 function sampling(block: Block): { indices: Uint32Array; nearest: Uint32Array } | null {
-  const [indices, nearest] = [block.uint32('carriers'), block.uint32('carrierOf')];
-  return indices && nearest ? { indices, nearest } : null;
+  const [points = 0] = block.shape('positions') ?? [];
+  // Points that were put between the uploaded ones are numbered after them.
+  const added = block.uint32('standsFor') ?? new Uint32Array();
+  const [carriers, carrierOf] = [block.uint32('carriers'), block.uint32('carrierOf')];
+  if (!carriers && added.length === 0) return null;
+  const uploaded = (point: number) => (point < points ? point : (added[point - points] ?? 0));
+  return {
+    indices: (carriers ?? numbers(points + added.length)).map(uploaded),
+    nearest: (carrierOf ?? numbers(points)).subarray(0, points),
+  };
 }
+
+/** 0, 1, 2, … */
+const numbers = (length: number): Uint32Array => Uint32Array.from({ length }, (_, i) => i);
 
 /** For each index the row of a (·, `width`) matrix, in an array of the type `Kind`. */
 function rows<A extends Table>(Kind: new (length: number) => A, matrix: A, width: number, indices: Uint32Array): A {
@@ -166,9 +182,9 @@ function rows<A extends Table>(Kind: new (length: number) => A, matrix: A, width
   return out;
 }
 
-/** Each value at its index among `length` zeros. */
+/** Sums of the values at each index below `length`. */
 function scattered(values: Float64Array, indices: Uint32Array, length: number): Float64Array<ArrayBuffer> {
   const out = new Float64Array(length);
-  indices.forEach((index, i) => (out[index] = values[i] ?? 0));
+  indices.forEach((index, i) => (out[index] = (out[index] ?? 0) + (values[i] ?? 0)));
   return out;
 }

@@ -65,7 +65,7 @@ export interface ShapeInfo {
   readonly faces: number;
   /** Connected pieces. */
   readonly pieces: number;
-  /** Points that take part in the matching. */
+  /** Points that take part in the matching; more than `points` where some were put between the uploaded ones, as in a body put together from shells. */
   readonly pointsUsed: number;
   /** Unit of length in which the scan has the size of a body; null when none fits. */
   readonly unit: 'm' | 'cm' | 'mm' | null;
@@ -190,7 +190,7 @@ export interface MatchReport {
   /** Where and why the run continued on the CPU; null when nothing failed. */
   fallback: Fallback | null;
   seconds: StageSeconds;
-  /** Points of a and of b that took part. */
+  /** Points of a and of b that took part, those put between uploaded ones included. */
   pointsUsed: [number, number];
   /** Largest size of the wasm memory so far, in bytes. */
   peakMemoryBytes: number;

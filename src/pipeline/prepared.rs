@@ -30,7 +30,7 @@ pub struct Info {
     pub faces: usize,
     /// Connected pieces of the surface or neighbourhood graph.
     pub pieces: usize,
-    /// Points that take part in the matching.
+    /// Points that take part in the matching: more than `points` where some were put between the uploaded ones, as in a body put together from shells.
     pub points_used: usize,
     /// `"m"`, `"cm"` or `"mm"` where the size fits a body, else nothing.
     pub unit: Option<String>,

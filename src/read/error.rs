@@ -193,12 +193,15 @@ pub enum ReadError {
         /// That file, shortened.
         uri: String,
     },
-    /// A small file that unfolds (by instances or empty accessors) into more than can be held.
-    #[error("this {format} unfolds into more than {limit} {what}")]
+    /// A small file that unfolds (by compression, instances or empty accessors) into more than a file of its size may.
+    #[error(
+        "this {format} unfolds into more than {limit} {what}, the most that a file of its size may take; save it uncompressed, and each copy of a mesh with points \
+         of its own"
+    )]
     TooLarge {
         /// Format.
         format: &'static str,
-        /// `"points"` or `"faces"`.
+        /// `"bytes in memory"` or `"points of morph targets"`.
         what: &'static str,
         /// The most that is read.
         limit: usize,

@@ -79,25 +79,22 @@ pub(super) fn notice_bare_points(points: usize, faces: &[[u32; 3]], placeless: &
     if faces.is_empty() {
         return;
     }
-    let unreferenced = used(points, faces).into_iter().filter(|used| !used).count() - placeless.len();
+    let unreferenced = used(points, faces.iter().copied()).into_iter().filter(|used| !used).count() - placeless.len();
     repairs.extend(Repair::counted("unreferenced-points", unreferenced, || {
         format!("{} to no face; kept as they are", counted(unreferenced, "point belongs", "points belong"))
     }));
 }
 
-pub(super) fn used(points: usize, faces: &[[u32; 3]]) -> Vec<bool> {
+pub(super) fn used(points: usize, faces: impl Iterator<Item = [u32; 3]>) -> Vec<bool> {
     let mut used = vec![false; points];
-    faces.iter().flatten().for_each(|&i| used[i as usize] = true);
+    faces.flatten().for_each(|i| used[i as usize] = true);
     used
 }
 
 /// Reports, and keeps, what is odd about a mesh as a whole: edges with more than two faces, neighbours that disagree about the outside, several
 /// pieces.
-pub(super) fn notice_topology(points: usize, faces: &[[u32; 3]], repairs: &mut Vec<Repair>) {
-    if faces.is_empty() {
-        return;
-    }
-    let (crowded, disagreeing) = odd_edges(faces);
+pub(super) fn notice_topology(points: usize, faces: impl Iterator<Item = [u32; 3]> + Clone, repairs: &mut Vec<Repair>) {
+    let (crowded, disagreeing) = odd_edges(faces.clone());
     repairs.extend(Repair::counted("non-manifold-edges", crowded, || {
         format!("{} by more than two faces; kept as they are", counted(crowded, "edge is shared", "edges are shared"))
     }));
@@ -116,14 +113,14 @@ pub(super) fn notice_topology(points: usize, faces: &[[u32; 3]], repairs: &mut V
 
 /// Whether no two faces disagree about which side is outside.
 pub(super) fn agree(faces: &[[u32; 3]]) -> bool {
-    odd_edges(faces).1 == 0
+    odd_edges(faces.iter().copied()).1 == 0
 }
 
 /// Edges with more than two faces, and edges whose two faces run along them in the same direction.
-fn odd_edges(faces: &[[u32; 3]]) -> (usize, usize) {
+fn odd_edges(faces: impl Iterator<Item = [u32; 3]>) -> (usize, usize) {
     // One sortable word per side of a face: smaller end, larger end, direction (points are below 2³¹).
-    let mut sides = Vec::with_capacity(3 * faces.len());
-    for &[a, b, c] in faces {
+    let mut sides = Vec::with_capacity(3 * faces.size_hint().1.unwrap_or(0));
+    for [a, b, c] in faces {
         for (i, j) in [(a, b), (b, c), (c, a)] {
             sides.push(u64::from(i.min(j)) << 32 | u64::from(i.max(j)) << 1 | u64::from(i > j));
         }
@@ -142,8 +139,8 @@ fn odd_edges(faces: &[[u32; 3]]) -> (usize, usize) {
 }
 
 /// Connected components of the points in use.
-fn pieces(points: usize, faces: &[[u32; 3]]) -> usize {
-    let edges = faces.iter().flat_map(|&[a, b, c]| [(a, b), (a, c)]);
+fn pieces(points: usize, faces: impl Iterator<Item = [u32; 3]> + Clone) -> usize {
+    let edges = faces.clone().flat_map(|[a, b, c]| [(a, b), (a, c)]);
     let (_, components) = components(points, edges);
     components - used(points, faces).into_iter().filter(|used| !used).count()
 }

@@ -41,13 +41,24 @@ pub use support::{MESH_LIMIT, Support, support};
 
 pub(crate) use repair::counted;
 
-use weld::{first_at_place, joined, weld};
+use weld::{first_at_place, joined, weld, welded};
 
 /// Fewest points a shape may have (below it no spectrum worth the name exists).
 pub const MIN_POINTS: usize = 50;
 
 /// Most points a shape may have: an edge is packed into one word as two 31-bit indices and a direction.
 pub const MAX_POINTS: usize = 1 << 31;
+
+/// Bytes that [`Shape::new`] holds at one time for so many points and faces, these included, at most: that is where faces meet nowhere, and each corner is at a border.
+pub(crate) fn memory(points: usize, faces: usize) -> usize {
+    let [n, m] = [points, faces].map(|count| count as f64);
+    let border = n.min(3.0 * m);
+    // Points, faces, and the first point at each place.
+    let always = 28.0 * n + 12.0 * m;
+    // In turn: pieces without area, sides of faces and what is at borders, seams there.
+    let most = [13.0 * n, n + 24.0 * m + 12.0 * border, 8.0 * n + 72.0 * border].into_iter().fold(0.0, f64::max);
+    (always + most) as usize
+}
 
 /// A mesh (`faces` not empty) or a point cloud. Points keep the order and the number they were uploaded
 /// with: index `i` here is index `i` for the user, whatever was repaired.
@@ -133,7 +144,7 @@ impl Shape {
             let met = if faces.is_empty() { "kept as they are" } else { "kept, and the faces there taken as joined" };
             format!("{} exactly where another one is; {met}", counted(duplicates, "point lies", "points lie"))
         }));
-        let (first, seams) = joined(&points, &faces);
+        let (first, seams) = joined(&points, &faces, first);
         repairs.extend(Repair::counted("seams-joined", seams, || {
             format!(
                 "{} at open borders so close to another one that rounding must have parted them; the faces there taken as joined",
@@ -141,7 +152,9 @@ impl Shape {
             )
         }));
         faces::notice_bare_points(points.len(), &faces, &placeless, &mut repairs);
-        faces::notice_topology(points.len(), &weld(&faces, &first), &mut repairs);
+        if !faces.is_empty() {
+            faces::notice_topology(points.len(), welded(&faces, &first), &mut repairs);
+        }
         let shape = Self { points, faces, labels, repairs, up: None, placeless, first: OnceLock::new() };
         Ok(shape)
     }
@@ -204,7 +217,7 @@ impl Shape {
     /// For each point (n) the first one that is the same point of the surface: at exactly its place, or of a mesh across a seam.
     pub(crate) fn first_at_place(&self) -> &[u32] {
         self.first.get_or_init(|| {
-            let (mut first, _) = joined(&self.points, &self.faces);
+            let (mut first, _) = joined(&self.points, &self.faces, first_at_place(&self.points));
             // Points without a place lie where the first other one does, and are nobody's copies, nor is it theirs.
             let placeless = |i: &u32| self.placeless.binary_search(i).is_ok();
             if let Some(placed) = (0..first.len() as u32).find(|i| !placeless(i)).filter(|_| !self.placeless.is_empty())
@@ -263,7 +276,7 @@ impl Shape {
 
     /// Points that belong to a face, ascending.
     pub(crate) fn points_in_faces(&self) -> Vec<u32> {
-        let used = faces::used(self.points.len(), &self.faces);
+        let used = faces::used(self.points.len(), self.faces.iter().copied());
         (0..used.len() as u32).filter(|&i| used[i as usize]).collect()
     }
 

@@ -17,20 +17,17 @@ const BELOW_EDGES: f64 = 0.4;
 /// Corners at a border that are looked at from each: triangle soup has six at a place.
 const AT_A_PLACE: NonZero<usize> = NonZero::new(16).unwrap();
 
-/// For each point (n) the first one that is the same point of the surface, and how many points are so without lying at exactly one place.
-pub(super) fn joined(points: &[[f64; 3]], faces: &[[u32; 3]]) -> (Vec<u32>, usize) {
-    let first = first_at_place(points);
+/// For each point (n) the first one that is the same point of the surface, and how many points are so without lying at exactly one place. `first` are the first
+/// points at exactly their places.
+pub(super) fn joined(points: &[[f64; 3]], faces: &[[u32; 3]], first: Vec<u32>) -> (Vec<u32>, usize) {
     if faces.is_empty() {
         return (first, 0);
     }
-    let welded = weld(faces, &first);
-    let (border, shortest) = border(points, &welded);
+    let (border, mut tolerance) = border(points, faces, &first);
     let reach = points.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let tolerance: Vec<f64> = border
-        .iter()
-        .zip(&shortest)
-        .map(|(_, &edge)| (SEAM * edge).max(STEPS * f64::from(f32::EPSILON) * reach).min(BELOW_EDGES * edge))
-        .collect();
+    for edge in &mut tolerance {
+        *edge = (SEAM * *edge).max(STEPS * f64::from(f32::EPSILON) * reach).min(BELOW_EDGES * *edge);
+    }
     let places: Vec<[f64; 3]> = border.iter().map(|&i| points[i as usize]).collect();
     let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&places) else { return (first, 0) };
     let mut forest = Forest::new(points.len());
@@ -54,17 +51,19 @@ pub(super) fn joined(points: &[[f64; 3]], faces: &[[u32; 3]]) -> (Vec<u32>, usiz
     (joined, seams)
 }
 
-/// Corners at edges of a single face, ascending, and the shortest edge at each.
-fn border(points: &[[f64; 3]], faces: &[[u32; 3]]) -> (Vec<u32>, Vec<f64>) {
+/// Corners at edges of a single face, ascending, and the shortest edge at each. Faces meet at the `first` points of their corners.
+fn border(points: &[[f64; 3]], faces: &[[u32; 3]], first: &[u32]) -> (Vec<u32>, Vec<f64>) {
     let mut sides: Vec<(u32, u32)> = Vec::with_capacity(3 * faces.len());
-    for &[a, b, c] in faces {
+    for [a, b, c] in welded(faces, first) {
         sides.extend([(a, b), (b, c), (c, a)].map(|(i, j)| (i.min(j), i.max(j))));
     }
     sides.sort_unstable();
-    let mut border: Vec<u32> =
-        sides.chunk_by(|x, y| x == y).filter(|edge| edge.len() == 1).flat_map(|edge| [edge[0].0, edge[0].1]).collect();
-    border.sort_unstable();
-    border.dedup();
+    let mut at_border = vec![false; points.len()];
+    for edge in sides.chunk_by(|x, y| x == y).filter(|edge| edge.len() == 1) {
+        (at_border[edge[0].0 as usize], at_border[edge[0].1 as usize]) = (true, true);
+    }
+    let mut border = Vec::with_capacity(at_border.iter().filter(|at_border| **at_border).count());
+    border.extend((0..points.len() as u32).filter(|&i| at_border[i as usize]));
     let mut shortest = vec![f64::INFINITY; border.len()];
     if !border.is_empty() {
         for (i, j) in sides {
@@ -91,7 +90,11 @@ pub(super) fn first_at_place(points: &[[f64; 3]]) -> Vec<u32> {
 
 /// The faces with every corner moved to the `first` point at its place, without those of which two corners meet there.
 pub(super) fn weld(faces: &[[u32; 3]], first: &[u32]) -> Vec<[u32; 3]> {
-    let mut welded: Vec<[u32; 3]> = faces.iter().map(|face| face.map(|i| first[i as usize])).collect();
-    welded.retain(|[a, b, c]| a != b && b != c && c != a);
-    welded
+    welded(faces, first).collect()
+}
+
+/// The same, one after the other.
+pub(super) fn welded(faces: &[[u32; 3]], first: &[u32]) -> impl Iterator<Item = [u32; 3]> + Clone {
+    let moved = faces.iter().map(|face| face.map(|i| first[i as usize]));
+    moved.filter(|[a, b, c]| a != b && b != c && c != a)
 }

@@ -49,7 +49,11 @@ impl Sample {
         let (prepared, carriers, _) =
             prepare_with_carriers(shape, None, &options, &Aside::default(), 0, &mut progress)?;
         let labels = prepared.shape.labels().unwrap_or_default();
-        let used: Vec<usize> = (0..prepared.points_used()).map(|row| prepared.support.uploaded(row)).collect();
+        // Points between the uploaded ones have the label and the place of the one that stands for them.
+        let uploaded =
+            |point: usize| prepared.resampled.as_ref().map_or(point, |new| new.uploaded(point as u32) as usize);
+        let used = (0..prepared.points_used()).map(|row| uploaded(prepared.support.uploaded(row)));
+        let used: Vec<usize> = used.collect();
         let labels = used.iter().map(|&i| labels[i]).collect();
         let places = places.map(|at| Array2::from_shape_fn((used.len(), 3), |(row, axis)| at[used[row]][axis]));
         let inputs = network_inputs(&prepared, &carriers, None, &config.input, &mut progress)

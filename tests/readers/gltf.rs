@@ -226,7 +226,7 @@ fn graphs_that_are_no_trees_and_small_files_that_unfold_are_refused() {
     let zeros = changed(|d| {
         let sparse =
             json!({ "count": 1, "indices": { "bufferView": 1, "componentType": 5125 }, "values": { "bufferView": 0 } });
-        d["accessors"][0] = json!({ "componentType": 5126, "count": 260_000, "type": "VEC3", "sparse": sparse });
+        d["accessors"][0] = json!({ "componentType": 5126, "count": 1_000_000, "type": "VEC3", "sparse": sparse });
     });
     assert_eq!(refused(read(&zeros)).0, "too-large");
     let deep = format!("{{\"a\":{}", "[".repeat(100_000));

@@ -211,6 +211,60 @@ fn row_numbers_without_a_heading_are_no_coordinates() {
 }
 
 #[test]
+fn row_numbers_with_gaps_or_in_any_order_are_no_coordinates() {
+    let number: [fn(usize) -> String; 6] = [
+        |i| (i + usize::from(i > 30)).to_string(),
+        |i| (63 - i).to_string(),
+        |i| (1000 + 7 * i).to_string(),
+        |i| (37 * i % 64).to_string(),
+        |i| (i / 8).to_string(),
+        // As numpy saves a table, all columns alike.
+        |i| format!("{:.18e}", 2 * i),
+    ];
+    let plain = |p: [String; 3], by: &str| p.join(by);
+    for (k, number) in number.into_iter().enumerate() {
+        for by in [",", " ", "\t", ";"] {
+            let text = numbered("", |i, p| number(i) + by + &plain(p, by));
+            let shape = parse(text, "a.csv").unwrap_or_else(|e| panic!("{k} {by:?}: {e}"));
+            assert_is_cloud(&shape);
+            assert_eq!((repaired(&shape, "row-numbers-ignored"), shape.repairs().len()), (1, 1), "{k} {by:?}");
+            let text = numbered("", |i, p| number(i) + by + &plain(p.clone(), by) + by + &plain(p, by));
+            assert_is_cloud(&parse(text, "a.txt").unwrap());
+        }
+        // With decimal commas, and what R and pandas write of some rows of a table.
+        let comma = |p: [String; 3]| plain(p, ";").replace('.', ",");
+        let commas = numbered("", |i, p| format!("{};{}", number(i).replace('.', ","), comma(p)));
+        assert_is_cloud(&parse(commas, "a.csv").unwrap());
+        let quoted = numbered("\"x\" \"y\" \"z\"\n", |i, p| format!("\"{}\" {}", number(i), plain(p, " ")));
+        assert_is_cloud(&parse(quoted, "a.txt").unwrap());
+        let nameless = numbered(",0,1,2\n", |i, p| format!("{},{}", number(i), plain(p, ",")));
+        assert_is_cloud(&parse(nameless, "a.csv").unwrap());
+    }
+    // A coordinate may be zero everywhere, if it is written with decimals like the others.
+    let flat = numbered("", |i, [x, y, _]| format!("{} {x} {y} 0.000", 2 * i));
+    assert_eq!(repaired(&parse(flat, "a.xyz").unwrap(), "row-numbers-ignored"), 1);
+}
+
+#[test]
+fn a_first_column_is_a_coordinate_where_others_are_whole_numbers_too() {
+    let first = |text: String| {
+        let shape = parse(text, "a.xyz").unwrap();
+        assert_eq!(repaired(&shape, "row-numbers-ignored"), 0);
+        shape.points().iter().map(|p| p[0]).collect::<Vec<_>>()
+    };
+    let numbers: Vec<f64> = (0..64).map(|i| f64::from(3 * i)).collect();
+    assert_eq!(first((0..64).map(|i| format!("{} {} {} {}\n", 3 * i, i % 8, i * i % 11, i % 3)).collect()), numbers);
+    // Of a grid, with colours; with a coordinate that is measured nowhere; with nothing beside.
+    assert_eq!(first(numbered("", |i, [_, y, z]| format!("{} {y} {z} 200 {i} 7", 3 * i))), numbers);
+    let missing = |i: usize| if i == 9 { "nan" } else { "4" };
+    assert_eq!(
+        first((0..64).map(|i| format!("{} {} {} {}\n", 3 * i, i % 8, i * i % 11, missing(i))).collect()),
+        numbers
+    );
+    assert_eq!(first(numbered("", |i, [_, y, z]| format!("{} {y} {z}", 3 * i))), numbers);
+}
+
+#[test]
 fn a_first_column_that_only_begins_like_row_numbers_is_a_coordinate() {
     let text: String = (0..96).map(|i| format!("{} {} {} 9\n", i % 48, i / 48, i % 5)).collect();
     let shape = parse(text, "a.xyz").unwrap();

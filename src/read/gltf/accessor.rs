@@ -7,68 +7,76 @@ use super::buffers::Buffers;
 use super::container::GLTF;
 use crate::read::error::{Place, ReadError};
 
+/// Items of an accessor, one after the other.
+pub(super) type Items<'a, T> = Box<dyn Iterator<Item = T> + 'a>;
+
 /// The points of a POSITION accessor: floats, or integers as KHR_mesh_quantization allows them.
-pub(super) fn positions(accessor: Accessor, buffers: &Buffers) -> Result<Vec<[f64; 3]>, ReadError> {
+pub(super) fn positions<'a>(accessor: Accessor<'a>, buffers: &'a Buffers) -> Result<Items<'a, [f64; 3]>, ReadError> {
     if accessor.dimensions() != Dimensions::Vec3 {
         return Err(malformed(&accessor, "points need the type VEC3"));
     }
     let largest = largest(&accessor);
-    let value = |c: f64| largest.map_or(c, |largest| (c / largest).max(-1.0));
+    let value = move |c: f64| largest.map_or(c, |largest| (c / largest).max(-1.0));
     Ok(match accessor.data_type() {
-        DataType::F32 => items::<[f32; 3]>(accessor, buffers)?.map(|p| p.map(f64::from)).collect(),
-        DataType::I8 => items::<[i8; 3]>(accessor, buffers)?.map(|p| p.map(|c| value(c.into()))).collect(),
-        DataType::U8 => items::<[u8; 3]>(accessor, buffers)?.map(|p| p.map(|c| value(c.into()))).collect(),
-        DataType::I16 => items::<[i16; 3]>(accessor, buffers)?.map(|p| p.map(|c| value(c.into()))).collect(),
-        DataType::U16 => items::<[u16; 3]>(accessor, buffers)?.map(|p| p.map(|c| value(c.into()))).collect(),
+        DataType::F32 => Box::new(items::<[f32; 3]>(accessor, buffers)?.map(|p| p.map(f64::from))),
+        DataType::I8 => Box::new(items::<[i8; 3]>(accessor, buffers)?.map(move |p| p.map(|c| value(c.into())))),
+        DataType::U8 => Box::new(items::<[u8; 3]>(accessor, buffers)?.map(move |p| p.map(|c| value(c.into())))),
+        DataType::I16 => Box::new(items::<[i16; 3]>(accessor, buffers)?.map(move |p| p.map(|c| value(c.into())))),
+        DataType::U16 => Box::new(items::<[u16; 3]>(accessor, buffers)?.map(move |p| p.map(|c| value(c.into())))),
         DataType::U32 => return Err(malformed(&accessor, "points cannot be stored as 32-bit integers")),
     })
 }
 
 /// The corners an index accessor lists.
-pub(super) fn indices(accessor: Accessor, buffers: &Buffers) -> Result<Vec<u32>, ReadError> {
+pub(super) fn indices<'a>(accessor: Accessor<'a>, buffers: &'a Buffers) -> Result<Items<'a, u32>, ReadError> {
     if accessor.dimensions() != Dimensions::Scalar {
         return Err(malformed(&accessor, "indices need the type SCALAR"));
     }
     Ok(match accessor.data_type() {
-        DataType::U8 => items::<u8>(accessor, buffers)?.map(u32::from).collect(),
-        DataType::U16 => items::<u16>(accessor, buffers)?.map(u32::from).collect(),
-        DataType::U32 => items::<u32>(accessor, buffers)?.collect(),
+        DataType::U8 => Box::new(items::<u8>(accessor, buffers)?.map(u32::from)),
+        DataType::U16 => Box::new(items::<u16>(accessor, buffers)?.map(u32::from)),
+        DataType::U32 => Box::new(items::<u32>(accessor, buffers)?),
         _ => return Err(malformed(&accessor, "indices must be unsigned integers")),
     })
 }
 
 /// The joints that JOINTS_n names for each point.
-pub(super) fn joints(accessor: Accessor, buffers: &Buffers) -> Result<Vec<[u16; 4]>, ReadError> {
+pub(super) fn joints<'a>(accessor: Accessor<'a>, buffers: &'a Buffers) -> Result<Items<'a, [u16; 4]>, ReadError> {
     if accessor.dimensions() != Dimensions::Vec4 {
         return Err(malformed(&accessor, "joints need the type VEC4"));
     }
     Ok(match accessor.data_type() {
-        DataType::U8 => items::<[u8; 4]>(accessor, buffers)?.map(|j| j.map(u16::from)).collect(),
-        DataType::U16 => items::<[u16; 4]>(accessor, buffers)?.collect(),
+        DataType::U8 => Box::new(items::<[u8; 4]>(accessor, buffers)?.map(|j| j.map(u16::from))),
+        DataType::U16 => Box::new(items::<[u16; 4]>(accessor, buffers)?),
         _ => return Err(malformed(&accessor, "joints must be unsigned integers of 8 or 16 bits")),
     })
 }
 
 /// The weights that WEIGHTS_n gives these joints.
-pub(super) fn weights(accessor: Accessor, buffers: &Buffers) -> Result<Vec<[f64; 4]>, ReadError> {
+pub(super) fn weights<'a>(accessor: Accessor<'a>, buffers: &'a Buffers) -> Result<Items<'a, [f64; 4]>, ReadError> {
     if accessor.dimensions() != Dimensions::Vec4 {
         return Err(malformed(&accessor, "weights need the type VEC4"));
     }
     let largest = largest(&accessor).unwrap_or(1.0);
     Ok(match accessor.data_type() {
-        DataType::F32 => items::<[f32; 4]>(accessor, buffers)?.map(|w| w.map(f64::from)).collect(),
-        DataType::U8 => items::<[u8; 4]>(accessor, buffers)?.map(|w| w.map(|c| f64::from(c) / largest)).collect(),
-        DataType::U16 => items::<[u16; 4]>(accessor, buffers)?.map(|w| w.map(|c| f64::from(c) / largest)).collect(),
+        DataType::F32 => Box::new(items::<[f32; 4]>(accessor, buffers)?.map(|w| w.map(f64::from))),
+        DataType::U8 => Box::new(items::<[u8; 4]>(accessor, buffers)?.map(move |w| w.map(|c| f64::from(c) / largest))),
+        DataType::U16 => {
+            Box::new(items::<[u16; 4]>(accessor, buffers)?.map(move |w| w.map(|c| f64::from(c) / largest)))
+        }
         _ => return Err(malformed(&accessor, "weights must be floats or unsigned integers of 8 or 16 bits")),
     })
 }
 
-/// The first matrices, at most `count`, by columns.
-pub(super) fn matrices(accessor: Accessor, count: usize, buffers: &Buffers) -> Result<Vec<[[f32; 4]; 4]>, ReadError> {
+/// Matrices, by columns.
+pub(super) fn matrices<'a>(
+    accessor: Accessor<'a>,
+    buffers: &'a Buffers,
+) -> Result<impl Iterator<Item = [[f32; 4]; 4]> + use<'a>, ReadError> {
     if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
         return Err(malformed(&accessor, "inverse bind matrices need the type MAT4 of floats"));
     }
-    Ok(items(accessor, buffers)?.take(count).collect())
+    items(accessor, buffers)
 }
 
 /// What the largest integer stands for 1 with, where integers are normalised.

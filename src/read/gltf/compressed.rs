@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
+use super::budget::Budget;
 use super::container::GLTF;
 use super::meshopt::{self, Mode};
 use crate::read::error::{Place, ReadError};
@@ -26,11 +27,6 @@ pub(super) struct Compressed {
 }
 
 impl Compressed {
-    /// How many bytes come out.
-    pub fn bytes(&self) -> usize {
-        self.count * self.stride
-    }
-
     /// Its bytes in the data of its buffer.
     pub fn decode(&self, data: &[u8]) -> Result<Vec<u8>, ReadError> {
         let malformed = |problem: &str| {
@@ -54,19 +50,17 @@ impl Compressed {
 }
 
 /// Takes the compressed views that geometry uses out of the document `root`, which has been reduced to it, and lets them point to buffers
-/// that are added at its end. `extensions` holds what each view said before. At most `room` bytes are to come out.
-pub(super) fn take(root: &mut Value, extensions: &[Value], room: usize) -> Result<Vec<Compressed>, ReadError> {
+/// that are added at its end. `extensions` holds what each view said before.
+pub(super) fn take(root: &mut Value, extensions: &[Value], budget: &mut Budget) -> Result<Vec<Compressed>, ReadError> {
     let mut taken = Vec::new();
-    let mut total = 0_usize;
     for view in used(root) {
         let Some(extension) = extensions.get(view).and_then(|e| EXTENSIONS.iter().find_map(|name| e.get(name))) else {
             continue;
         };
         let number = |key: &str| extension[key].as_u64().and_then(|n| usize::try_from(n).ok()).unwrap_or(0);
         let (count, stride) = (number("count"), number("byteStride"));
-        let bytes = count.checked_mul(stride).filter(|bytes| total.saturating_add(*bytes) <= room);
-        let bytes = bytes.ok_or(ReadError::TooLarge { format: GLTF, what: "bytes of compressed data", limit: room })?;
-        total += bytes;
+        let bytes = count.saturating_mul(stride);
+        budget.hold(bytes)?;
         let mode = match extension["mode"].as_str() {
             Some("ATTRIBUTES") => Some(Mode::Attributes),
             Some("TRIANGLES") => Some(Mode::Triangles),
@@ -94,13 +88,12 @@ pub(super) fn take(root: &mut Value, extensions: &[Value], room: usize) -> Resul
 /// The views that accessors of geometry read.
 fn used(root: &Value) -> BTreeSet<usize> {
     let mut accessors = BTreeSet::new();
-    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let mut note = |value: &Value| accessors.extend(value.as_u64());
     for mesh in root["meshes"].as_array().into_iter().flatten() {
         for primitive in mesh["primitives"].as_array().into_iter().flatten() {
             note(&primitive["indices"]);
-            let targets = list(&primitive["targets"]);
-            for attributes in std::iter::once(&primitive["attributes"]).chain(&targets) {
+            let targets = primitive["targets"].as_array().into_iter().flatten();
+            for attributes in std::iter::once(&primitive["attributes"]).chain(targets) {
                 attributes.as_object().into_iter().flatten().for_each(|(_, accessor)| note(accessor));
             }
         }

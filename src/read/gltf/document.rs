@@ -6,6 +6,7 @@ use gltf::json::validation::{self, Validate};
 use gltf::json::{Path, Root};
 use serde_json::Value;
 
+use super::budget::Budget;
 use super::compressed::{self, Compressed, EXTENSIONS};
 use super::container::GLTF;
 use crate::read::error::{Place, ReadError, shortened};
@@ -38,8 +39,9 @@ const KEPT: [(&str, &[&str]); 7] = [
     ("skins", &["inverseBindMatrices", "joints"]),
 ];
 
-/// The geometry of a document in a pose. What is decompressed may take `room` bytes.
-pub(super) fn parse(json: &[u8], pose: Pose, room: usize) -> Result<Geometry, ReadError> {
+/// The geometry of a document in a pose.
+pub(super) fn parse(json: &[u8], pose: Pose, budget: &mut Budget) -> Result<Geometry, ReadError> {
+    budget.hold(weight(json))?;
     // Names may be in another encoding, and some writers fill up with zeros.
     let json = String::from_utf8_lossy(json);
     let json = json.trim_start_matches('\u{feff}').trim_end_matches(|c: char| c == '\0' || c.is_whitespace());
@@ -64,9 +66,11 @@ pub(super) fn parse(json: &[u8], pose: Pose, room: usize) -> Result<Geometry, Re
     }
     let compression = names(&root, "extensionsUsed").find(|n| n.contains("draco"));
     let repairs = if pose == Pose::Rest { unseen(&root) } else { Vec::new() };
-    let extensions: Vec<Value> = list(&root, "bufferViews").map(|view| view["extensions"].clone()).collect();
+    let extension = |view: &mut Value| view.get_mut("extensions").map(Value::take).unwrap_or_default();
+    let extensions: Vec<Value> = entries(&mut root, "bufferViews").map(extension).collect();
     reduce(&mut root, pose);
-    let compressed = compressed::take(&mut root, &extensions, room)?;
+    let compressed = compressed::take(&mut root, &extensions, budget)?;
+    drop(extensions);
 
     let problem = |problem: String, at: String| match &compression {
         Some(extension) => ReadError::UnsupportedExtension { extension: extension.clone() },
@@ -79,6 +83,18 @@ pub(super) fn parse(json: &[u8], pose: Pose, room: usize) -> Result<Geometry, Re
     }
     let document = Document::from_json_without_validation(root);
     Ok(Geometry { document, compression, compressed, repairs })
+}
+
+/// Bytes that a document takes at most, as a tree of JSON, as the crate's document, or while its nodes are walked. An object has room for eleven entries at once,
+/// and lists grow by doubling; texts, such as buffers in base64, are there twice.
+fn weight(json: &[u8]) -> usize {
+    let mark = |byte: &u8| match byte {
+        b'{' => 650,
+        b'[' => 160,
+        b',' => 100,
+        _ => 0,
+    };
+    json.iter().map(mark).fold(2 * json.len(), usize::saturating_add)
 }
 
 /// The crate's own checks, list by list. Not [`Document::from_json`]: its check of a primitive indexes the accessors with a

@@ -24,8 +24,8 @@ const GROUP: usize = 16;
 pub(super) fn decode(data: &[u8], mode: Mode, count: usize, stride: usize) -> Option<Vec<u8>> {
     match mode {
         Mode::Attributes => attributes(data, count, stride),
-        Mode::Triangles => Some(bytes_of(triangles(data, count)?, stride)?),
-        Mode::Indices => Some(bytes_of(indices(data, count)?, stride)?),
+        Mode::Triangles => triangles(data, Indices::of(count, stride)?),
+        Mode::Indices => indices(data, Indices::of(count, stride)?),
     }
 }
 
@@ -90,7 +90,7 @@ fn attributes(data: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
 
     let block = ((8192 / stride) & !(GROUP - 1)).min(256);
     let mut source = Bytes(body);
-    let mut items = Vec::new();
+    let mut items = Vec::with_capacity(count * stride);
     let mut deltas = vec![0; block * stride];
     while items.len() < count * stride {
         let length = (count - items.len() / stride).min(block);
@@ -181,8 +181,27 @@ impl<T: Copy + Default, const N: usize> Recent<T, N> {
     }
 }
 
+/// Indices as the bytes they come out as.
+struct Indices {
+    count: usize,
+    stride: usize,
+    bytes: Vec<u8>,
+}
+
+impl Indices {
+    /// Room for `count` of them.
+    fn of(count: usize, stride: usize) -> Option<Self> {
+        [2, 4].contains(&stride).then(|| Self { count, stride, bytes: Vec::with_capacity(count * stride) })
+    }
+
+    fn push(&mut self, index: u32) {
+        self.bytes.extend_from_slice(&index.to_le_bytes()[..self.stride]);
+    }
+}
+
 /// Corners: a code a triangle says which edge of a recent one it shares and which point it adds.
-fn triangles(data: &[u8], count: usize) -> Option<Vec<u32>> {
+fn triangles(data: &[u8], mut corners: Indices) -> Option<Vec<u8>> {
+    let count = corners.count;
     if *data.first()? != 0xE1 || !count.is_multiple_of(3) {
         return None;
     }
@@ -193,7 +212,6 @@ fn triangles(data: &[u8], count: usize) -> Option<Vec<u32>> {
     let mut edges = Recent::<(u32, u32), 16>::new();
     let mut points = Recent::<u32, 16>::new();
     let (mut fresh, mut last) = (0_u32, 0_u32);
-    let mut corners = Vec::with_capacity(count);
     let take_fresh = |fresh: &mut u32| {
         let value = *fresh;
         *fresh = fresh.wrapping_add(1);
@@ -245,32 +263,23 @@ fn triangles(data: &[u8], count: usize) -> Option<Vec<u32>> {
             edges.push((a, c));
             [a, b, c]
         };
-        corners.extend(triangle);
+        triangle.into_iter().for_each(|corner| corners.push(corner));
     }
-    Some(corners)
+    Some(corners.bytes)
 }
 
 /// Indices as differences from one of two before.
-fn indices(data: &[u8], count: usize) -> Option<Vec<u32>> {
-    if *data.first()? != 0xD1 || count > data.len() {
+fn indices(data: &[u8], mut indices: Indices) -> Option<Vec<u8>> {
+    if *data.first()? != 0xD1 || indices.count > data.len() {
         return None;
     }
     let mut source = Bytes(&data[1..]);
     let mut last = [0_u32; 2];
-    (0..count)
-        .map(|_| {
-            let value = source.number()?;
-            let which = &mut last[(value & 1) as usize];
-            *which = which.wrapping_add(signed(value >> 1));
-            Some(*which)
-        })
-        .collect()
-}
-
-fn bytes_of(indices: Vec<u32>, stride: usize) -> Option<Vec<u8>> {
-    match stride {
-        2 => Some(indices.iter().flat_map(|&i| (i as u16).to_le_bytes()).collect()),
-        4 => Some(indices.iter().flat_map(|i| i.to_le_bytes()).collect()),
-        _ => None,
+    for _ in 0..indices.count {
+        let value = source.number()?;
+        let which = &mut last[(value & 1) as usize];
+        *which = which.wrapping_add(signed(value >> 1));
+        indices.push(*which);
     }
+    Some(indices.bytes)
 }

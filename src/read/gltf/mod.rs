@@ -5,6 +5,7 @@
 //! are checked here before it reads.
 
 mod accessor;
+mod budget;
 mod buffers;
 mod compressed;
 mod container;
@@ -13,6 +14,9 @@ mod meshopt;
 mod placement;
 mod pose;
 
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
+
 use gltf::mesh::{Mode, Primitive};
 use gltf::{Accessor, Node, Semantic};
 
@@ -20,48 +24,37 @@ use super::draft::Draft;
 use super::error::{Place, ReadError};
 use super::options::ReadOptions;
 use crate::shape::Repair;
+use budget::Budget;
 use buffers::{Buffers, Sources};
 use container::{Chunks, GLTF};
 use placement::{Placed, Placement};
 use pose::Skeletons;
-
-/// Most points and most faces read of a file of so many bytes: a few kilobytes of instances can name the same data a million times.
-/// Stored once, a point takes at least three bytes and a triangle two.
-fn limit(bytes: usize) -> usize {
-    250_000 + bytes / 2
-}
-
-/// Most points of morph targets read for each point that may be read.
-const TARGETS: usize = 8;
-
-/// Bytes that one byte of a file may be decompressed into, beside the first [`UNFOLDED`].
-const UNFOLDING: usize = 64;
-const UNFOLDED: usize = 1 << 20;
 
 /// Reads the POSITION and indices of every mesh in every scene, in the order of a walk through the nodes, each where it stands: placed by its
 /// node, or moved by joints, for which the node of the mesh does not count. Points that a file splits at seams stay split.
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Draft, ReadError> {
     let Chunks { json, blob, unpadded } = container::split(bytes)?;
     let size = bytes.len() + options.companions.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
+    let mut budget = Budget::of(size);
     let document::Geometry { document, compression, compressed, mut repairs } =
-        document::parse(json, options.pose, UNFOLDED + UNFOLDING * size)?;
+        document::parse(json, options.pose, &mut budget)?;
     repairs.extend(Repair::counted("chunk-not-padded", usize::from(unpadded), || {
         "the JSON of this GLB does not end at a multiple of four bytes, as the format asks; read all the same"
             .to_owned()
     }));
-    let unfolded: usize = compressed.iter().map(|view| view.bytes()).sum();
+    let placed = placement::placed_meshes(&document)?;
+    let (points, faces) = drawn(&placed, &mut budget)?;
     let sources = Sources { blob, companions: options.companions, compression: compression.as_deref() };
     let buffers = Buffers::of(&document, sources, &compressed);
-    let limit = limit(size + unfolded);
+    let (points, faces) = (Vec::with_capacity(points), Vec::with_capacity(faces));
     let mut scene = Scene {
         skeletons: Skeletons::of(&document, &buffers),
-        buffers,
-        limit,
-        targets: TARGETS * limit,
-        draft: Draft { repairs, ..Draft::default() },
+        buffers: &buffers,
+        budget,
+        draft: Draft { points, faces, repairs, labels: None },
     };
-    for placed in placement::placed_meshes(&document)? {
-        scene.append(&placed)?;
+    for placed in &placed {
+        scene.append(placed)?;
     }
     if scene.draft.points.is_empty() {
         return Err(ReadError::MissingElement {
@@ -72,21 +65,35 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Draft, ReadErr
     Ok(scene.draft)
 }
 
+/// How many points and faces of meshes will be read, if all that is held for them is within the budget.
+fn drawn(placed: &[Placed], budget: &mut Budget) -> Result<(usize, usize), ReadError> {
+    let (mut points, mut faces) = (0, 0);
+    for placed in placed {
+        let mut known = BTreeSet::new();
+        for primitive in placed.mesh.primitives() {
+            let Some(positions) = primitive.get(&Semantic::Positions) else { continue };
+            let count = positions.count();
+            let added = if known.insert(sources(&primitive, &positions)) { count } else { 0 };
+            let corners = primitive.indices().map_or(count, |accessor| accessor.count());
+            let added = (added, triangles_of(primitive.mode(), corners));
+            // One more for the time that a primitive without points takes.
+            budget.draw(added.0.saturating_add(1), added.1)?;
+            (points, faces) = (points + added.0, faces + added.1);
+        }
+    }
+    Ok((points, faces))
+}
+
 /// What is read so far, and of what.
 struct Scene<'a> {
-    buffers: Buffers<'a>,
+    buffers: &'a Buffers<'a>,
     skeletons: Skeletons,
-    /// Most points, and most faces.
-    limit: usize,
-    /// Points of morph targets that may still be read.
-    targets: usize,
+    budget: Budget,
     draft: Draft,
 }
 
 /// Points of a primitive in the draft.
 struct Added {
-    /// The accessors they come from.
-    from: Vec<Option<usize>>,
     base: usize,
     mirrored: bool,
 }
@@ -94,21 +101,20 @@ struct Added {
 impl Scene<'_> {
     /// The points and triangles of one placed mesh. Primitives that share their points (one surface, several materials) add them once.
     fn append(&mut self, placed: &Placed) -> Result<(), ReadError> {
-        let mut added: Vec<Added> = Vec::new();
+        let mut added: BTreeMap<Vec<Option<usize>>, Added> = BTreeMap::new();
         for primitive in placed.mesh.primitives() {
             let Some(positions) = primitive.get(&Semantic::Positions) else { continue };
             let count = positions.count();
-            let from = sources(&primitive, &positions);
-            let known = added.iter().position(|a| a.from == from);
-            if known.is_none() {
-                let base = self.draft.points.len();
-                let mirrored = self.add_points(placed, &primitive, positions)?;
-                added.push(Added { from, base, mirrored });
-            }
-            let Added { base, mirrored, .. } = added[known.unwrap_or(added.len() - 1)];
+            let &mut Added { base, mirrored } = match added.entry(sources(&primitive, &positions)) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => {
+                    let base = self.draft.points.len();
+                    let mirrored = self.add_points(placed, &primitive, positions)?;
+                    new.insert(Added { base, mirrored })
+                }
+            };
             let at = || Place::Object(format!("meshes[{}].primitives[{}]", placed.mesh.index(), primitive.index()));
-            let room = (self.limit, self.limit - self.draft.faces.len());
-            for mut face in triangles(&primitive, count, &self.buffers, room, at)? {
+            for mut face in triangles(&primitive, count, self.buffers, &at)? {
                 if let Some(&index) = face.iter().find(|&&i| i as usize >= count) {
                     let index = i64::from(index);
                     let face = self.draft.faces.len();
@@ -125,25 +131,19 @@ impl Scene<'_> {
 
     /// Adds the points of a primitive where they stand, and says whether its triangles turn inside out there.
     fn add_points(&mut self, placed: &Placed, primitive: &Primitive, positions: Accessor) -> Result<bool, ReadError> {
-        let count = positions.count();
-        if count > self.limit - self.draft.points.len() {
-            return Err(ReadError::TooLarge { format: GLTF, what: "points", limit: self.limit });
-        }
-        let mut points = accessor::positions(positions, &self.buffers)?;
+        let base = self.draft.points.len();
+        self.draft.points.extend(accessor::positions(positions, self.buffers)?);
+        let points = &mut self.draft.points[base..];
         let node = placed.node.as_ref();
         let weights = node.and_then(Node::weights).or_else(|| placed.mesh.weights()).unwrap_or_default();
-        let room = (TARGETS * self.limit, &mut self.targets);
-        pose::morph(&mut points, primitive, weights, &self.buffers, room)?;
-        if let Some(maps) = self.skeletons.maps(node, primitive, count, &self.buffers)? {
-            let moved = points.into_iter().zip(&maps).map(|(point, map)| map.apply(point));
-            self.draft.points.extend(moved);
-            let mirrored = maps.iter().filter(|map| map.mirrors()).count();
-            return Ok(2 * mirrored > maps.len());
+        pose::morph(points, primitive, weights, self.buffers, &mut self.budget)?;
+        if let Some(mirrored) = self.skeletons.move_points(points, node, primitive, self.buffers)? {
+            return Ok(mirrored);
         }
         // What hangs on a skin stands where the skin was bound, whatever its node says.
         let bound = node.is_some_and(|node| node.skin().is_some());
         let placement = if bound { Placement::IDENTITY } else { placed.placement };
-        self.draft.points.extend(points.into_iter().map(|p| placement.apply(p)));
+        points.iter_mut().for_each(|point| *point = placement.apply(*point));
         Ok(placement.mirrors())
     }
 }
@@ -157,40 +157,48 @@ fn sources(primitive: &Primitive, positions: &Accessor) -> Vec<Option<usize>> {
     std::iter::once(Some(positions.index())).chain(moving.into_iter().map(Some)).chain(targets).collect()
 }
 
-/// The triangles of a primitive, in indices of its own points; none for points and lines. At most `room` of the `limit` of them.
-fn triangles(
-    primitive: &Primitive,
+/// Triangles that so many corners make; none of points and lines.
+fn triangles_of(mode: Mode, corners: usize) -> usize {
+    match mode {
+        Mode::Triangles => corners / 3,
+        Mode::TriangleStrip | Mode::TriangleFan => corners.saturating_sub(2),
+        _ => 0,
+    }
+}
+
+/// The triangles of a primitive, in indices of its own points; none for points and lines.
+fn triangles<'a>(
+    primitive: &Primitive<'a>,
     points: usize,
-    buffers: &Buffers,
-    (limit, room): (usize, usize),
-    at: impl Fn() -> Place,
-) -> Result<Vec<[u32; 3]>, ReadError> {
+    buffers: &'a Buffers,
+    at: &dyn Fn() -> Place,
+) -> Result<impl Iterator<Item = [u32; 3]> + use<'a>, ReadError> {
     let mode = primitive.mode();
-    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-        return Ok(Vec::new());
-    }
-    let length = primitive.indices().map_or(points, |accessor| accessor.count());
-    let count = if mode == Mode::Triangles { length / 3 } else { length.saturating_sub(2) };
-    if count > room {
-        return Err(ReadError::TooLarge { format: GLTF, what: "faces", limit });
-    }
-    let corners: Vec<u32> = match primitive.indices() {
+    let corners = match primitive.indices() {
+        _ if triangles_of(mode, 3) == 0 => Box::new(std::iter::empty()),
         Some(accessor) => accessor::indices(accessor, buffers)?,
-        None => (0..points as u32).collect(),
+        None => Box::new(0..points as u32),
     };
-    Ok(match mode {
-        Mode::Triangles => {
-            let (triangles, rest) = corners.as_chunks::<3>();
-            if !rest.is_empty() {
-                let problem = format!("{} corners do not make whole triangles", corners.len());
-                return Err(ReadError::Malformed { format: GLTF, problem, at: at() });
-            }
-            triangles.to_vec()
+    if mode == Mode::Triangles {
+        let count = primitive.indices().map_or(points, |accessor| accessor.count());
+        if !count.is_multiple_of(3) {
+            let problem = format!("{count} corners do not make whole triangles");
+            return Err(ReadError::Malformed { format: GLTF, problem, at: at() });
         }
-        Mode::TriangleStrip => {
-            let turn = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
-            corners.windows(3).enumerate().map(turn).collect()
+    }
+    let (mut first, mut before) = (0, [0; 2]);
+    Ok(corners.enumerate().filter_map(move |(i, corner)| {
+        let [a, b] = before;
+        before = [b, corner];
+        if i == 0 {
+            first = corner;
         }
-        _ => corners.windows(2).skip(1).map(|side| [side[0], side[1], corners[0]]).collect(),
-    })
+        match mode {
+            _ if i < 2 => None,
+            Mode::Triangles => (i % 3 == 2).then_some([a, b, corner]),
+            Mode::TriangleStrip if i % 2 == 1 => Some([a, corner, b]),
+            Mode::TriangleStrip => Some([a, b, corner]),
+            _ => Some([b, corner, first]),
+        }
+    }))
 }

@@ -91,47 +91,72 @@ pub(super) fn placed_meshes(document: &Document) -> Result<Vec<Placed<'_>>, Read
         let placed = |mesh| Placed { mesh, node: None, placement: Placement::IDENTITY };
         return Ok(document.meshes().map(placed).collect());
     }
-    let mut scenes: Vec<Vec<Node>> = document.scenes().map(|scene| scene.nodes().collect()).collect();
-    if scenes.is_empty() {
-        scenes.push(roots(document));
+    let count = document.nodes().filter(|node| node.mesh().is_some()).count();
+    let (reached_in, waiting) = (vec![None; document.nodes().len()], Vec::new());
+    let mut walk = Walk { reached_in, waiting, meshes: Vec::with_capacity(count) };
+    for scene in document.scenes() {
+        walk.through(scene.index(), scene.nodes())?;
+    }
+    if document.scenes().len() == 0 {
+        walk.through(0, roots(document).into_iter())?;
+    }
+    Ok(walk.meshes)
+}
+
+/// A walk through the nodes of scenes.
+struct Walk<'a> {
+    /// The last scene in which each node was reached. None waits twice, however often it is listed.
+    reached_in: Vec<Option<usize>>,
+    /// Nodes with the placements of their parents, the next one last.
+    waiting: Vec<(Node<'a>, Placement)>,
+    meshes: Vec<Placed<'a>>,
+}
+
+impl<'a> Walk<'a> {
+    fn through(&mut self, scene: usize, roots: impl Iterator<Item = Node<'a>>) -> Result<(), ReadError> {
+        self.reach(scene, roots, Placement::IDENTITY)?;
+        while let Some((node, parent)) = self.waiting.pop() {
+            let placement = parent.after(&Placement::of(&node));
+            self.reach(scene, node.children(), placement)?;
+            self.meshes.extend(node.mesh().map(|mesh| Placed { mesh, node: Some(node), placement }));
+        }
+        Ok(())
     }
 
-    let mut meshes = Vec::new();
-    let mut seen_in = vec![None; document.nodes().len()];
-    for (scene, roots) in scenes.into_iter().enumerate() {
-        let mut waiting: Vec<(Node, Placement)> = roots.into_iter().rev().map(|n| (n, Placement::IDENTITY)).collect();
-        while let Some((node, parent)) = waiting.pop() {
-            match seen_in[node.index()].replace(scene) {
-                None => {}
-                Some(earlier) if earlier != scene => continue,
+    fn reach(
+        &mut self,
+        scene: usize,
+        nodes: impl Iterator<Item = Node<'a>>,
+        parent: Placement,
+    ) -> Result<(), ReadError> {
+        let from = self.waiting.len();
+        for node in nodes {
+            match self.reached_in[node.index()].replace(scene) {
+                None => self.waiting.push((node, parent)),
+                Some(earlier) if earlier != scene => {}
                 Some(_) => {
                     let problem = "the node is reached twice; nodes must form a tree".to_owned();
-                    return Err(ReadError::Malformed {
-                        format: GLTF,
-                        problem,
-                        at: Place::Object(format!("nodes[{}]", node.index())),
-                    });
+                    let at = Place::Object(format!("nodes[{}]", node.index()));
+                    return Err(ReadError::Malformed { format: GLTF, problem, at });
                 }
             }
-            let placement = parent.after(&Placement::of(&node));
-            let children: Vec<Node> = node.children().collect();
-            waiting.extend(children.into_iter().rev().map(|child| (child, placement)));
-            meshes.extend(node.mesh().map(|mesh| Placed { mesh, node: Some(node), placement }));
         }
+        self.waiting[from..].reverse();
+        Ok(())
     }
-    Ok(meshes)
 }
 
 /// Where every node stands, in a scene or not; none for nodes that go round in a circle.
 pub(super) fn placements(document: &Document) -> Vec<Option<Placement>> {
     let mut placements = vec![None; document.nodes().len()];
+    let mut reached = vec![false; document.nodes().len()];
     let mut waiting: Vec<(Node, Placement)> =
         roots(document).into_iter().map(|node| (node, Placement::IDENTITY)).collect();
     while let Some((node, parent)) = waiting.pop() {
         let placement = parent.after(&Placement::of(&node));
-        if placements[node.index()].replace(placement).is_none() {
-            waiting.extend(node.children().map(|child| (child, placement)));
-        }
+        placements[node.index()] = Some(placement);
+        let children = node.children().filter(|child| !std::mem::replace(&mut reached[child.index()], true));
+        waiting.extend(children.map(|child| (child, placement)));
     }
     placements
 }

@@ -44,9 +44,9 @@ impl Columns {
     ) -> Result<Self, ReadError> {
         let separator = Separator::of(first);
         let count = separator.fields(first).count();
-        let mut rows = Rows { first, lines, separator, count, numbers: Vec::new() };
-        let decimal = rows.decimal();
-        rows.numbers = rows.columns_of_numbers(decimal);
+        let mut rows = Rows { first, lines, separator, decimal: Decimal::Point, count, numbers: Vec::new() };
+        rows.decimal = rows.mark_of_decimals();
+        rows.numbers = rows.columns_of_numbers();
         if let Some((line, text)) = rows.split_decimal() {
             let at = Place::Line(line.number);
             return Err(ReadError::BadNumber { format, text, expected: "a number", at });
@@ -110,7 +110,7 @@ impl Columns {
             let columns = counted(more, "column", "columns");
             format!("{columns} beside x, y and z not read{}", others.unwrap_or_default())
         }));
-        Ok(Self { separator, decimal, count, axes })
+        Ok(Self { separator, decimal: rows.decimal, count, axes })
     }
 
     /// The coordinates in a line.
@@ -179,6 +179,7 @@ struct Rows<'r, 'a> {
     first: Line<'a>,
     lines: &'r Lines<'a>,
     separator: Separator,
+    decimal: Decimal,
     count: usize,
     /// Whether most of the first rows have a number in each column.
     numbers: Vec<bool>,
@@ -197,7 +198,7 @@ impl<'a> Rows<'_, 'a> {
     }
 
     /// Commas mark decimals where they stand between digits, at least once so that they cannot mark thousands, and no point does.
-    fn decimal(&self) -> Decimal {
+    fn mark_of_decimals(&self) -> Decimal {
         let pointed = |line: Line| line.bytes.windows(2).any(|w| w[0] == b'.' && w[1].is_ascii_digit());
         if self.all().take(LOOKED_AT).any(pointed) {
             return Decimal::Point;
@@ -238,7 +239,7 @@ impl<'a> Rows<'_, 'a> {
         let in_order = axes[0] < axes[1] && axes[1] < axes[2];
         match self.count {
             count if count == named => Some(axes),
-            count if count == named + 1 && (self.counts(0) || !self.numbers[0]) => Some(axes.map(|k| k + 1)),
+            count if count == named + 1 && (self.numbers_rows(0) || !self.numbers[0]) => Some(axes.map(|k| k + 1)),
             count if count > named && axes == [0, 1, 2] => Some(axes),
             3 if in_order && named > 3 => Some([0, 1, 2]),
             _ => None,
@@ -250,9 +251,9 @@ impl<'a> Rows<'_, 'a> {
         let start = self.numbers.windows(3).position(|three| three.iter().all(|&n| n)).unwrap_or(0);
         let fourth = self.numbers.get(start + 3) == Some(&true);
         let fifth = self.numbers.get(start + 4) == Some(&true);
-        let counts = fourth && (self.counts(start) || !fifth && self.is_constant(start));
-        let from = start + usize::from(counts);
-        ([from, from + 1, from + 2], counts.then_some(start))
+        let counter = fourth && (self.numbers_rows(start) || !fifth && self.is_constant(start));
+        let from = start + usize::from(counter);
+        ([from, from + 1, from + 2], counter.then_some(start))
     }
 
     /// Whether columns may be coordinates under headings that name none: they are all the numbers there are, and none is called otherwise.
@@ -263,13 +264,30 @@ impl<'a> Rows<'_, 'a> {
         if unclear || other { Err(()) } else { Ok(()) }
     }
 
-    fn columns_of_numbers(&self, decimal: Decimal) -> Vec<bool> {
+    fn columns_of_numbers(&self) -> Vec<bool> {
         let rows = self.sample();
         let holds = |column: usize| {
-            let numbers = rows.iter().filter(|row| value(row[column], decimal).is_some()).count();
+            let numbers = rows.iter().filter(|row| value(row[column], self.decimal).is_some()).count();
             2 * numbers > rows.len() && !rows.iter().all(|row| row[column].is_empty())
         };
         (0..self.count).map(holds).collect()
+    }
+
+    /// Whether a column numbers the rows: it counts them, or it has whole numbers only, in any order and with gaps, and none of the next three has. Some programs
+    /// write all columns alike, with as many decimals as the coordinates have.
+    fn numbers_rows(&self, column: usize) -> bool {
+        let finite = |field: &[u8]| value(field, self.decimal).filter(|value| value.is_finite());
+        let by_text = |field: &[u8]| finite(field).map(|_| whole(field).is_some());
+        let by_value = |field: &[u8]| finite(field).map(|value| value.fract() == 0.0);
+        self.counts(column) || self.alone_is_whole(column, by_text) || self.alone_is_whole(column, by_value)
+    }
+
+    /// Whether every number of a column is whole, and not every one in any of the next three; `is_whole` is nothing for what is no number.
+    fn alone_is_whole(&self, column: usize, is_whole: impl Fn(&[u8]) -> Option<bool>) -> bool {
+        let fields = |column| self.all().map(move |line| self.separator.fields(line).nth(column));
+        let told = |field: Option<&[u8]>| field.and_then(&is_whole);
+        let has_decimals = |column| fields(column).any(|field| told(field) == Some(false));
+        fields(column).all(|field| told(field) == Some(true)) && (1..=3).all(|next| has_decimals(column + next))
     }
 
     /// Whether a column counts the rows, from 0, from 1 or from anywhere.
