@@ -2,6 +2,7 @@
 
 use super::planes::Plane;
 use crate::graph::{Neighbours, nearest_neighbours};
+use crate::vector::middle_side;
 
 /// Neighbours of a point that are looked at.
 pub(super) const AROUND: usize = 8;
@@ -10,6 +11,8 @@ const THIRD: usize = 2;
 const DENSER: usize = 2;
 /// An outlier is this many times as far from its nearest neighbour as points around it from their third.
 const APART: f64 = 1.5;
+/// Nor is one an outlier that is nearer to others than this part of the longest side of the cloud: it goes with them whatever it is.
+const NEAR: f64 = 0.015;
 /// And it lies off the plane of its neighbours by this part of its distance from them: the first points where sampling becomes thin lie on it.
 const OFF: f64 = 0.6;
 /// And no more points than this have it among their own neighbours: where a surface is sampled thinly beside another, those around it have.
@@ -22,10 +25,11 @@ pub(super) fn without_outliers(points: &[[f64; 3]]) -> (Vec<u32>, Neighbours) {
     let mut kept: Vec<u32> = (0..points.len() as u32).collect();
     let mut places = points.to_vec();
     let mut neighbours = nearest_neighbours(&places, AROUND);
+    let near = NEAR * middle_side(points.iter().copied());
     for _ in 0..ROUNDS {
         let mut asked_for = vec![0_usize; places.len()];
         (0..places.len()).for_each(|i| neighbours.of(i).iter().for_each(|&j| asked_for[j as usize] += 1));
-        let stays = (0..places.len()).map(|i| asked_for[i] > FEW || !is_outlier(&places, &neighbours, i));
+        let stays = (0..places.len()).map(|i| asked_for[i] > FEW || !is_outlier(&places, &neighbours, i, near));
         let stays: Vec<bool> = stays.collect();
         if stays.iter().all(|&stays| stays) {
             break;
@@ -38,12 +42,15 @@ pub(super) fn without_outliers(points: &[[f64; 3]]) -> (Vec<u32>, Neighbours) {
     (kept, neighbours)
 }
 
-fn is_outlier(places: &[[f64; 3]], neighbours: &Neighbours, i: usize) -> bool {
+fn is_outlier(places: &[[f64; 3]], neighbours: &Neighbours, i: usize, near: f64) -> bool {
+    let nearest = neighbours.distances(i).first().copied().unwrap_or(0.0);
+    if nearest <= near {
+        return false;
+    }
     let density = |i: usize| neighbours.distances(i).get(THIRD).copied().unwrap_or(0.0);
     let mut around: [f64; AROUND] = [f64::INFINITY; AROUND];
     around.iter_mut().zip(neighbours.of(i)).for_each(|(slot, &j)| *slot = density(j as usize));
     let (_, &mut usual, _) = around.select_nth_unstable_by(DENSER, f64::total_cmp);
-    let nearest = neighbours.distances(i).first().copied().unwrap_or(0.0);
     if nearest <= APART * usual {
         return false;
     }

@@ -18,6 +18,9 @@ const THICK: f64 = 0.4;
 /// And the surface around it is turned from the plane by no more than the angle of this cosine.
 const AGREES: f64 = 0.9;
 
+/// Of the points beside a noisy patch at least this share lies on either side of it.
+const BOTH_SIDES: f64 = 0.25;
+
 /// A flat patch.
 pub struct Patch {
     /// Unit normal.
@@ -28,7 +31,7 @@ pub struct Patch {
     pub points: Vec<u32>,
     /// Root of the mean squared distance of these from the plane.
     pub roughness: f64,
-    /// Standard deviation of the distance of points from the plane, on it or beside those that are, by their median.
+    /// Standard deviation of the distance of points from the plane by chance; 0 where nothing beside those on it lies on the other side.
     pub noise: f64,
 }
 
@@ -79,10 +82,15 @@ pub fn flat_patches(points: &[[f64; 3]], neighbours: &Neighbours, spacing: f64) 
         if patch.len() as f64 >= LEAST * n as f64 {
             let squares = patch.iter().map(|&i| (dot(normal, points[i as usize]) - offset).powi(2));
             let roughness = (squares.sum::<f64>() / patch.len() as f64).sqrt();
+            let height = |i: u32| dot(normal, points[i as usize]) - offset;
             let around: BTreeSet<u32> = patch.iter().flat_map(|&i| neighbours.of(i as usize)).copied().collect();
-            let mut off: Vec<f64> = around.iter().map(|&i| (dot(normal, points[i as usize]) - offset).abs()).collect();
-            let middle = off.len() / 2;
-            let noise = 1.48 * *off.select_nth_unstable_by(middle, f64::total_cmp).1;
+            // Noise is on both sides; what stands on a plane, or bends away from it, on one.
+            let off = around.iter().filter(|&i| patch.binary_search(i).is_err());
+            let (above, below): (Vec<u32>, Vec<u32>) = off.partition(|&&i| height(i) > 0.0);
+            let noisy = above.len().min(below.len()) as f64 >= BOTH_SIDES * (above.len() + below.len()) as f64;
+            let mut heights: Vec<f64> = around.iter().map(|&i| height(i).abs()).collect();
+            let middle = heights.len() / 2;
+            let noise = if noisy { 1.48 * *heights.select_nth_unstable_by(middle, f64::total_cmp).1 } else { 0.0 };
             patches.push(Patch { normal, offset, points: patch, roughness, noise });
         }
     }
