@@ -96,6 +96,15 @@ fn a_stored_shape_with_a_place_that_is_no_number_is_refused() {
 }
 
 #[test]
+fn a_stored_shape_with_a_reliability_that_is_no_share_is_refused() {
+    for reliability in [1.5, -0.1] {
+        let mut shape = fuzzing::scans::TORI[0].clone();
+        shape.info.reliability = reliability;
+        assert!(geose_fmap::PreparedShape::from_bytes(&shape.to_bytes().expect("a torus is stored")).is_err());
+    }
+}
+
+#[test]
 fn a_stored_shape_of_which_no_samples_are_adjacent_is_matched() {
     let mut block = fuzzing::stored::Block::of(&fuzzing::scans::TORI[0].to_bytes().expect("a torus is stored"));
     let adjacent = block.tensors.get_mut("adjacent").expect("pairs of samples");

@@ -126,6 +126,9 @@ impl PreparedShape {
         }
         let text = |key: &str| metadata.get(key).ok_or_else(|| BlockError(format!("no {key}")));
         let info: Info = serde_json::from_str(text("info")?).map_err(|e| BlockError(e.to_string()))?;
+        if !(0.0..=1.0).contains(&info.reliability) {
+            return Err(fail("its reliability is no share"));
+        }
         let repairs: Vec<Repair> = serde_json::from_str(text("repairs")?).map_err(|e| BlockError(e.to_string()))?;
         let block = SafeTensors::deserialize(bytes).map_err(|e| BlockError(e.to_string()))?;
         let u32s = |name: &str| values::<u32>(&block, name, Dtype::U32);
