@@ -123,7 +123,7 @@ pub(super) async fn body_of<D: Device>(
 /// Whether a network is more certain of one view of a scan than of another; where none is at home with either, whether what the one is without is a floor.
 fn is_better(one: &PreparedShape, other: &PreparedShape, without: &Proposal) -> bool {
     match (margin(one), margin(other)) {
-        (Some(certain), Some(less)) if without.what == LeftOut::NoThinParts => {
+        (Some(certain), Some(less)) if certain >= 0.0 && without.what == LeftOut::NoThinParts => {
             certain > less + MORE_CERTAIN || certain >= less && coverage(one) >= coverage(other) + MORE_COVERED
         }
         (Some(certain), Some(less)) if certain >= 0.0 => {

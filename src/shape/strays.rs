@@ -223,7 +223,7 @@ pub fn thin_parts(shape: &Shape, aside: &Aside) -> Option<Proposal> {
     let surface = &surface[..];
     let PiecesOfCloud { piece, area, thin } = PiecesOfCloud::of(&at(shape, surface), &vec![false; surface.len()]);
     let all: f64 = area.iter().chain(&thin).sum();
-    let is_limb = |piece: u32| thin[piece as usize] >= LIMB * all;
+    let is_limb = |piece: u32| thin[piece as usize] > 0.0 && thin[piece as usize] >= LIMB * all;
     let points: Vec<u32> = surface.iter().zip(&piece).filter(|(_, piece)| is_limb(**piece)).map(|(&i, _)| i).collect();
     let share = thin.iter().filter(|&&thin| thin >= LIMB * all).sum::<f64>() / all;
     (!points.is_empty()).then_some(Proposal { what: LeftOut::NoThinParts, points, share })
