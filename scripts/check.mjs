@@ -27,7 +27,7 @@ export async function check() {
     'clippy with trainer and GPU': () => clippy(['--all-targets', '--features', 'train,gpu']),
     'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),
     'clippy for wasm32 with GPU': () =>
-      clippy(['--lib', '--test', 'wasm', '--test', 'gpu_in_browser', '--features', 'gpu', '--target', 'wasm32-unknown-unknown'], wasm),
+      clippy(['--lib', '--test', 'wasm', '--features', 'gpu', '--target', 'wasm32-unknown-unknown'], wasm),
     'cargo doc': () =>
       run('cargo', ['doc', '--quiet', '--locked', '--no-deps', '--features', 'train,gpu'], {
         env: environment([], { RUSTDOCFLAGS: '-D warnings' }),

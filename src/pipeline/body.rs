@@ -15,7 +15,7 @@ use crate::device::Device;
 use crate::network::Model;
 use crate::operators::Laplacian;
 use crate::progress::{Cancelled, Progress, Stage};
-use crate::shape::{Aside, LeftOut, Proposal, Repair, Shape, loose_pieces, proposals, thin_parts};
+use crate::shape::{Aside, COARSE_NUMBERS, LeftOut, Proposal, Repair, Shape, loose_pieces, proposals, thin_parts};
 
 /// By so much more certain a network must be without something for it to be left out, and of a smaller thing than of a larger one.
 const MORE_CERTAIN: f64 = 0.02;
@@ -39,8 +39,7 @@ const DOUBTFUL: f64 = 0.5;
 /// Rounds: a floor and a second person are two.
 const ROUNDS: usize = 3;
 
-/// Codes of repairs.
-const COARSE: &str = "coarse-numbers";
+/// The code of a repair.
 const THIN_PARTS: &str = "thin-parts-kept";
 
 /// What is to be prepared.
@@ -64,7 +63,7 @@ pub(super) async fn body_of<D: Device>(
     let mut aside = Aside::default();
     let whole = scan.options.whole_scan;
     // Between coordinates in coarse steps the surface lies in sheets, which are no floors.
-    let in_sheets = scan.shape.repairs().iter().any(|repair| repair.code == COARSE);
+    let in_sheets = scan.shape.repairs().iter().any(|repair| repair.code == COARSE_NUMBERS);
     let mut found = if whole || in_sheets { Vec::new() } else { proposals(&used, &aside) };
     // More is looked for when a mesh turns out to be put together from shells, or a cloud to have strays.
     let again = (!whole).then(|| (scan.shape.clone(), scan.name.clone()));

@@ -35,7 +35,7 @@ pub use shells::{Shells, loose_pieces, shells};
 pub use simplify::{Simplified, draw_together};
 pub use simplify::{THIN_LIMIT, cells, simplify};
 pub use spikes::without_spikes;
-pub use steps::coarse_steps;
+pub use steps::{COARSE_NUMBERS, coarse_steps};
 pub use strays::{Strays, set_strays_aside, thin_parts};
 pub use support::{MESH_LIMIT, Support, support};
 

@@ -23,6 +23,8 @@ const LINING: f64 = 0.8;
 const INSIDE: f64 = 0.06;
 /// What a body may be without has this share of the area of all shells.
 const LOOSE: [f64; 2] = [0.02, 0.75];
+/// So many are tried, the largest: a network looks at the body without each.
+const TRIED: usize = 8;
 
 /// A body put together from shells.
 pub struct Shells {
@@ -142,6 +144,6 @@ impl Shells {
         };
         let mut loose: Vec<Proposal> = share.into_iter().filter(is_loose).map(piece).collect();
         loose.sort_unstable_by(|a, b| a.share.total_cmp(&b.share).then(a.points.cmp(&b.points)));
-        loose
+        loose.split_off(loose.len().saturating_sub(TRIED))
     }
 }

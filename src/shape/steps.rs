@@ -3,6 +3,8 @@
 use super::repair::Repair;
 use crate::vector::extents;
 
+/// The code of the repair that tells of it.
+pub const COARSE_NUMBERS: &str = "coarse-numbers";
 /// Points that a scan is matched by, at most: what is fine enough for these loses nothing.
 const USED: usize = 5000;
 /// Steps up to this part of the spacing of the points used do no harm.
@@ -72,7 +74,7 @@ pub(super) fn notice(points: &[[f64; 3]]) -> Option<Repair> {
         "coordinates come in steps of {step:.2e} while points lie some {spacing:.2e} apart: rounding has cost the scan its shape; move it to the origin, or \
          write more digits, before saving it"
     );
-    Some(Repair::noted("coarse-numbers", 1, message))
+    Some(Repair::noted(COARSE_NUMBERS, 1, message))
 }
 
 #[cfg(test)]

@@ -1,15 +1,12 @@
-//! The same kernels through WebGPU, in a browser's worker. Chromium has WebGPU without a graphics card when started with
+//! The same kernels through WebGPU. Chromium has WebGPU without a graphics card when started with
 //! `--enable-unsafe-webgpu --use-webgpu-adapter=swiftshader`.
-#![cfg(all(feature = "gpu", target_arch = "wasm32"))]
 
 use geose_fmap::device::{Device, Gpu, GpuOptions};
 use geose_fmap::network::Model;
 use geose_fmap::pipeline::{DeviceChoice, DeviceKind, Processor, match_shapes, match_with, prepare, prepare_with};
 use geose_fmap::{MatchOptions, PrepareOptions, PreparedShape, Progress, Stage, read};
 use ndarray::Array2;
-use wasm_bindgen_test::{console_log, wasm_bindgen_test, wasm_bindgen_test_configure};
-
-wasm_bindgen_test_configure!(run_in_dedicated_worker);
+use wasm_bindgen_test::{console_log, wasm_bindgen_test};
 
 async fn gpu() -> Gpu {
     Gpu::new(GpuOptions { software: true }).await.expect("a browser with WebGPU")
@@ -71,8 +68,8 @@ fn samples() -> [PreparedShape; 2] {
 }
 
 const SAMPLES: [&[u8]; 2] = [
-    include_bytes!("../www/public/samples/woman-standing.ply"),
-    include_bytes!("../www/public/samples/man-lunging.ply"),
+    include_bytes!("../../www/public/samples/woman-standing.ply"),
+    include_bytes!("../../www/public/samples/man-lunging.ply"),
 ];
 
 fn few() -> PrepareOptions {
