@@ -11,7 +11,7 @@ use crate::spectrum::SpectralBasis;
 /// Times of the heat kernel, in units of the area, logarithmic.
 const TIMES: [f64; 2] = [1e-3, 0.2];
 
-/// A shape of unit area as the network sees it, n points and k eigenfunctions.
+/// A shape as the network sees it, n points and k eigenfunctions. Lengths are in √area of the whole body: of the shape itself unless it is known to be a piece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeInputs {
     /// Channels per point (n, c) that the DiffusionNet sees, invariant under rotation unless literal positions are among them.
@@ -49,24 +49,29 @@ fn encode(p: ArrayView1<f32>, position: Position, mut out: ArrayViewMut1<f32>) {
 
 impl ShapeInputs {
     /// For a network, from a basis (n, ≥ k) at unit area, the gradients of its eigenfunctions (n, ≥ k) and positions (n, 3) centred and in √area; k is the
-    /// network's number of eigenpairs.
+    /// network's number of eigenpairs. `extent` is √area of the shape over that of the whole body, 1 unless it is a piece.
     pub fn new(
         basis: &SpectralBasis,
         gradients: [ArrayView2<f32>; 2],
         points: ArrayView2<f64>,
+        extent: f64,
         config: &InputConfig,
     ) -> Self {
         let (k, position) = (config.eigenpairs.min(basis.k()), config.position);
         let single = |v: &f64| *v as f32;
+        // ΦᵀMΦ = I also where masses sum to less than 1; λ is an inverse area, and ∂Φ goes with λ.
+        let (length, area) = (extent as f32, (extent * extent) as f32);
         let basis = &basis.truncated(k);
         let weyl = basis.weyl_factor();
-        let lambda = basis.eigenvalues.mapv(|l| (l / weyl) as f32).insert_axis(Axis(1));
-        let phi = basis.eigenvectors.map(single);
-        let mass = basis.mass.map(single).insert_axis(Axis(1));
-        let points = points.map(single);
+        let lambda = basis.eigenvalues.mapv(|l| (l / weyl) as f32 / area).insert_axis(Axis(1));
+        let phi = basis.eigenvectors.map(single) / length;
+        let mass = basis.mass.map(single).insert_axis(Axis(1)) * area;
+        let points = points.map(single) * length;
 
         let times: Vec<f64> = (0..SIGNATURES)
-            .map(|i| TIMES[0] * (TIMES[1] / TIMES[0]).powf(i as f64 / (SIGNATURES - 1) as f64) / weyl)
+            .map(|i| {
+                TIMES[0] * (TIMES[1] / TIMES[0]).powf(i as f64 / (SIGNATURES - 1) as f64) / (weyl * extent * extent)
+            })
             .collect();
         let mut channels = Array2::zeros((basis.len(), input_channels(config)));
         channels.slice_mut(s![.., ..SIGNATURES]).assign(&heat_kernel_signature(basis, &times));
@@ -91,7 +96,7 @@ impl ShapeInputs {
             channels,
             moments: &points * &mass,
             projector: &phi * &mass,
-            gradients: gradients.map(|g| g.slice(s![.., ..k]).to_owned()),
+            gradients: gradients.map(|g| g.slice(s![.., ..k]).to_owned() / area),
             phi,
             points,
             lambda,

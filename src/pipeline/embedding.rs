@@ -26,7 +26,7 @@ pub(super) async fn ask<D: Device>(
         let inputs = {
             // Gradients ask for a graph again, but a listener is not told of a stage twice.
             let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
-            network_inputs(prepared, carriers, filter, &trained.weights().config.input(), &mut within)
+            network_inputs(prepared, carriers, filter, 1.0, &trained.weights().config.input(), &mut within)
                 .map_err(|_| Cancelled { stage: Stage::Features })?
         };
         progress.at(Stage::Features, share.end)?;
@@ -70,11 +70,12 @@ async fn embed<D: Device>(
     if embedding.is_finite() { Ok(embedding) } else { Err(Interrupted::NotFinite(Stage::Features)) }
 }
 
-/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`.
+/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`; `extent` is √area of the shape over that of the whole body.
 pub(crate) fn network_inputs(
     prepared: &PreparedShape,
     carriers: &Carriers,
     filter: Option<EdgeFilter>,
+    extent: f64,
     config: &InputConfig,
     progress: &mut Progress,
 ) -> Result<ShapeInputs, Cancelled> {
@@ -99,5 +100,5 @@ pub(crate) fn network_inputs(
         out
     });
     let [along, across] = &gradients;
-    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), config))
+    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), extent, config))
 }

@@ -190,11 +190,13 @@ fn nearby(from: &Array2<f32>, to: &Array2<f32>) -> Array2<f32> {
 }
 
 /// L_sem: how much of each row's soft match goes to points of other parts. `soft` (n, m) has a row per point that is matched; the paper's C is this with
-/// B's points as rows, and its indices i and j the other way round. Taken in both directions.
+/// B's points as rows, and its indices i and j the other way round. Taken in both directions, over rows of parts that the other shape has.
 fn semantic(soft: &Tensor, of_rows: &Tensor, of_columns: &Tensor) -> Result<Tensor> {
     // Σ_j C_ij [y_i = y_j] as (C Y) ⊙ Y, so that no (n, m) mask is made.
     let same = (soft.matmul(of_columns)? * of_rows)?.sum_all()?;
-    same.affine(-1.0 / soft.dims()[0] as f64, 1.0)
+    let present = of_columns.max_keepdim(0)?;
+    let possible = of_rows.broadcast_mul(&present)?.sum_all()?.to_scalar::<f32>()?;
+    same.affine(-1.0 / f64::from(possible.max(1.0)), 1.0)
 }
 
 /// L_geo, with the columns of F as its "eigenvector-aligned embeddings": the i-th column should be an eigenfunction of the i-th eigenvalue. Written on

@@ -22,6 +22,10 @@ use crate::operators::LaplacianKind;
 /// Vertices of the meshes that are matched to the atlas.
 pub const ATLAS_POINTS: usize = 4000;
 
+/// Share of the scans of pieces and wholes beside each other of which the size of the whole body is known, and how far it is off at most, as a logarithm.
+const KNOWN_EXTENT: f64 = 0.6;
+const EXTENT_OFF: f64 = 0.15;
+
 /// A folder of samples, `count` of them, being filled from the front.
 pub struct Pool {
     folder: PathBuf,
@@ -168,7 +172,7 @@ impl Maker<'_> {
         let spread = self.config.spread;
         let points = (self.config.points as f64 * ((1.0 - spread) + 2.0 * spread * rng.random::<f64>())) as usize;
         let options = match self.config.stand {
-            Stand::Random => ScanOptions { points, ..ScanOptions::default() },
+            Stand::Random => ScanOptions { points, pieces: self.config.pieces, ..ScanOptions::default() },
             Stand::Alike => ScanOptions { points, mirrored: 0.0, moved: false, ..ScanOptions::default() },
         };
         // Of the truth nothing but the surface behind each point, to find the place of that surface.
@@ -181,7 +185,13 @@ impl Maker<'_> {
             x if x < 0.2 => Some(LaplacianKind::GeodesicLiteral),
             _ => None,
         };
-        Sample::new(scan.shape, places.as_deref(), kind, self.config).map_err(|error| error.to_string())
+        // How much of a body is there is found in two steps: its parts are seen as if it were all, and then at the size that they tell.
+        let extent = match self.config.pieces > 0.0 && rng.random::<f64>() < KNOWN_EXTENT {
+            true => behind.share.sqrt() * (EXTENT_OFF * (2.0 * rng.random::<f64>() - 1.0)).exp(),
+            false => 1.0,
+        };
+        Sample::of_piece(scan.shape, places.as_deref(), kind, [behind.share, extent], self.config)
+            .map_err(|error| error.to_string())
     }
 
     /// Where a clean mesh of the body of a seed says that some vertices of its fine skin lie on the atlas.

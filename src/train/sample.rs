@@ -27,16 +27,29 @@ pub struct Sample {
     pub labels: Vec<u32>,
     /// Where a teacher says that each point lies on the atlas (n, 3), in √area; see [`super::atlas`].
     pub places: Option<Array2<f32>>,
+    /// The share of the body's area that is there.
+    pub share: f32,
 }
 
 impl Sample {
-    /// Builds the operators that a scan with given labels would get, on as many points as matching would use where `config.points` were asked for. Points without
+    /// Of a whole body, or of one that is taken for whole. Builds the operators that a scan with given labels would get, on as many points as matching would use where `config.points` were asked for. Points without
     /// surface keep no label, and so are left out. `places` are those of the
     /// scan's points, where there is a teacher.
     pub fn new(
         shape: Shape,
         places: Option<&[[f32; 3]]>,
         kind: Option<LaplacianKind>,
+        config: &SampleConfig,
+    ) -> Result<Self, Error> {
+        Self::of_piece(shape, places, kind, [1.0, 1.0], config)
+    }
+
+    /// The same of a piece: the share of the body's area that is there, and √area of the piece over what is taken for that of the body.
+    pub fn of_piece(
+        shape: Shape,
+        places: Option<&[[f32; 3]]>,
+        kind: Option<LaplacianKind>,
+        [share, extent]: [f64; 2],
         config: &SampleConfig,
     ) -> Result<Self, Error> {
         let options = PrepareOptions {
@@ -56,9 +69,9 @@ impl Sample {
         let used: Vec<usize> = used.collect();
         let labels = used.iter().map(|&i| labels[i]).collect();
         let places = places.map(|at| Array2::from_shape_fn((used.len(), 3), |(row, axis)| at[used[row]][axis]));
-        let inputs = network_inputs(&prepared, &carriers, None, &config.input, &mut progress)
+        let inputs = network_inputs(&prepared, &carriers, None, extent, &config.input, &mut progress)
             .map_err(crate::operators::OperatorError::from)?;
-        Ok(Self { inputs, labels, places })
+        Ok(Self { inputs, labels, places, share: share as f32 })
     }
 
     /// Writes it as safetensors with f16 values, so that thousands fit on a disk.
@@ -75,6 +88,8 @@ impl Sample {
             ("lambda", &inputs.lambda),
         ];
         matrices.extend(self.places.as_ref().map(|places| ("places", places)));
+        let share = Array2::from_elem((1, 1), self.share);
+        matrices.push(("share", &share));
         matrices.extend(inputs.encoded.as_ref().map(|encoded| ("encoded", encoded)));
         // f16 has five bits of exponent: masses of single points would be subnormal in it.
         let scale = |name: &str| if matches!(name, "moments" | "projector") { inputs.len() as f32 } else { 1.0 };
@@ -125,6 +140,7 @@ impl Sample {
             },
             labels,
             places: optional("places")?,
+            share: optional("share")?.map_or(1.0, |share| share[(0, 0)]),
         })
     }
 }

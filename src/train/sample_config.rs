@@ -24,6 +24,9 @@ pub struct SampleConfig {
     /// How generated bodies stand.
     #[serde(default)]
     pub stand: Stand,
+    /// Share of pieces among generated scans.
+    #[serde(default)]
+    pub pieces: f64,
     /// The operator of every cloud; by default that of matching on most, others on some.
     pub laplacian: Option<LaplacianKind>,
     /// The weights that place points on the atlas, if any do.
@@ -67,6 +70,7 @@ impl SampleConfig {
             spread: quarter(),
             input: network.input(),
             stand: Stand::Random,
+            pieces: 0.0,
             laplacian: None,
             teacher: None,
             scans: None,

@@ -13,6 +13,8 @@ use crate::network::{Embedding, Network, Solver, Statistics};
 
 /// Key points that attention looks at in training.
 const KEYS: usize = 512;
+/// With this share of the area a body is whole.
+const WHOLE: f32 = 0.75;
 
 /// What the network makes of each of the shapes of a step by themselves, and what batch normalisation found over all their points.
 pub fn embed_together(
@@ -37,6 +39,8 @@ pub struct Forward {
     projector: [Tensor; 2],
     lambda: [Vec<f64>; 2],
     places: [Option<Array2<f32>>; 2],
+    /// Whether both are whole bodies: between a piece and a whole no functional map is an isometry.
+    whole: bool,
     solve: Solver,
 }
 
@@ -69,6 +73,7 @@ impl Forward {
             projector: pair.map(|sample| leading(&sample.inputs.projector)),
             lambda: pair.map(|sample| sample.inputs.lambda.column(0).iter().take(k).map(|&l| f64::from(l)).collect()),
             places: pair.map(|sample| sample.places.clone()),
+            whole: pair.iter().all(|sample| sample.share >= WHOLE),
             solve: network.config.solve,
         }
     }
@@ -87,7 +92,7 @@ impl Forward {
 
     /// The losses.
     pub fn losses(&self, weights: &LossWeights, maps: bool) -> candle_core::Result<Terms> {
-        losses(weights, self.solve, &self.side(0), &self.side(1), maps)
+        losses(weights, self.solve, &self.side(0), &self.side(1), maps && self.whole)
     }
 
     /// Share of points of both shapes whose part is right, by the largest logit.

@@ -73,6 +73,11 @@ impl Camera {
         seen
     }
 
+    /// The vertices that are seen, one for each pixel.
+    pub fn vertices(&self, points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<u32> {
+        self.image(points, triangles).into_iter().flatten().map(|(_, vertex)| vertex).collect()
+    }
+
     /// The nearest depth at each pixel, and the vertex there.
     fn image(&self, points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Option<(f64, u32)>> {
         let [width, height] = SIZE;

@@ -21,6 +21,7 @@ pub mod layout;
 pub mod manifold;
 pub mod parts;
 pub mod people;
+pub mod pieces;
 pub mod pose;
 pub mod poses;
 pub mod press;

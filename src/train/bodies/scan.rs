@@ -1,7 +1,5 @@
 //! A posed body as a scanner might see it: a mesh or a cloud of its own sampling, noise, clothes, missing pieces, mirrored, turned and scaled.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -10,6 +8,7 @@ use super::chance::{happens, normal_vector, pick, pick_by, rotation, uniform};
 use super::cloud::{Drawn, draw_points};
 use super::data::DataError;
 use super::parts::mirrored_part;
+use super::pieces::{area, piece, pieces};
 use super::{BodyModel, Template};
 use crate::progress::Cancelled;
 use crate::shape::{Shape, Simplified, draw_together, farthest_points};
@@ -27,6 +26,8 @@ pub struct ScanOptions {
     pub dressed: f64,
     /// Share with a piece missing.
     pub incomplete: f64,
+    /// Share of pieces, some of which lack most of the body.
+    pub pieces: f64,
     /// Share of mirrored bodies; left and right labels are exchanged, so that the labels are right for what is there.
     pub mirrored: f64,
     /// Whether each scan is turned any way and scaled by 0.8 … 1.25.
@@ -35,7 +36,16 @@ pub struct ScanOptions {
 
 impl Default for ScanOptions {
     fn default() -> Self {
-        Self { points: 1800, meshes: 0.4, noisy: 0.33, dressed: 0.1, incomplete: 0.1, mirrored: 0.5, moved: true }
+        Self {
+            points: 1800,
+            meshes: 0.4,
+            noisy: 0.33,
+            dressed: 0.1,
+            incomplete: 0.1,
+            pieces: 0.0,
+            mirrored: 0.5,
+            moved: true,
+        }
     }
 }
 
@@ -51,6 +61,8 @@ pub struct Scan {
 pub struct Truth {
     /// Vertex of the fine skin nearest to each point, as the body stands there: on a mirrored body the vertex of the other side.
     pub skin: Vec<u32>,
+    /// The share of the body's area that is there.
+    pub share: f64,
 }
 
 /// Largest standard deviation of noise, in √area.
@@ -79,12 +91,21 @@ impl BodyModel {
         if happens(rng, options.dressed) {
             self.dress(&mut skin, rng);
         }
-        let cut = if happens(rng, options.incomplete) { without_piece(&skin, &self.skin.triangles, rng) } else { None };
-        let triangles = cut.as_ref().unwrap_or(&self.skin.triangles);
-        let (mut points, mut faces, mut vertices) = if happens(rng, options.meshes) {
-            mesh(&skin, triangles, options.points, rng)
+        let cut = if options.pieces > 0.0 && happens(rng, options.pieces) {
+            Some(piece(&skin, &self.skin.triangles, rng))
+        } else if happens(rng, options.incomplete) {
+            without_piece(&skin, &self.skin.triangles, rng)
         } else {
-            cloud(&skin, triangles, options.points, rng)
+            None
+        };
+        let triangles = cut.as_ref().unwrap_or(&self.skin.triangles);
+        let share = area(&skin, triangles) / area(&skin, &self.skin.triangles);
+        // As dense as the whole body would be, or with as many points, or between.
+        let points = if options.pieces > 0.0 { uniform(rng, share..1.0) } else { 1.0 } * options.points as f64;
+        let (mut points, mut faces, mut vertices) = if happens(rng, options.meshes) {
+            mesh(&skin, triangles, points as usize, rng)
+        } else {
+            cloud(&skin, triangles, points as usize, rng)
         };
         if happens(rng, options.noisy) {
             let sigma = side * uniform(rng, 0.0..NOISE);
@@ -102,7 +123,7 @@ impl BodyModel {
             points.iter_mut().for_each(|p| *p = scale * (turn * *p));
         }
         let shape = Shape::new(points.iter().map(DVec3::to_array).collect(), faces, Some(labels))?;
-        Ok((Scan { shape }, Truth { skin: vertices }))
+        Ok((Scan { shape }, Truth { skin: vertices, share }))
     }
 
     /// A mesh of `points` evenly spread vertices of a body's fine skin (metres) with part labels, and for each vertex of that skin the one that stands for it.
@@ -270,26 +291,8 @@ fn without_piece(skin: &[DVec3], triangles: &[[u32; 3]], rng: &mut ChaCha8Rng) -
 
 /// The triangles of the piece with the largest area.
 fn largest_piece(skin: &[DVec3], triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    let mut root: Vec<u32> = (0..skin.len() as u32).collect();
-    fn find(root: &mut [u32], mut v: u32) -> u32 {
-        while root[v as usize] != v {
-            root[v as usize] = root[root[v as usize] as usize];
-            v = root[v as usize];
-        }
-        v
-    }
-    for &[a, b, c] in &triangles {
-        for (v, w) in [(a, b), (b, c)] {
-            let (v, w) = (find(&mut root, v), find(&mut root, w));
-            root[v.max(w) as usize] = v.min(w);
-        }
-    }
-    let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
-    for t in &triangles {
-        *areas.entry(find(&mut root, t[0])).or_default() += area(skin, std::slice::from_ref(t));
-    }
-    let largest = areas.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(piece, _)| piece);
-    triangles.into_iter().filter(|t| Some(find(&mut root, t[0])) == largest).collect()
+    let pieces = pieces(skin.len(), &triangles).into_values();
+    pieces.max_by(|a, b| area(skin, a).total_cmp(&area(skin, b))).unwrap_or_default()
 }
 
 /// Each value the mean of itself and of those in the triangles around.
@@ -311,14 +314,6 @@ pub(super) fn normals(skin: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
         t.iter().for_each(|&v| normals[v as usize] += normal);
     }
     normals.into_iter().map(DVec3::normalize_or_zero).collect()
-}
-
-fn area(skin: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
-    let doubled = triangles.iter().map(|t| {
-        let [p, q, r] = t.map(|v| skin[v as usize]);
-        (q - p).cross(r - p).length()
-    });
-    0.5 * doubled.sum::<f64>()
 }
 
 #[cfg(test)]
