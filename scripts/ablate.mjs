@@ -39,7 +39,7 @@ export const VARIANTS = {
   'as it ships': { parts: ['predicted', 'given'] },
   'from labels and places': { teacher: 'data/weights/people.safetensors' },
   'without L_sem': losses({ semantic: 0 }),
-  'without orthogonality': losses({ orthogonality: 0 }),
+  'with orthogonality': losses({ orthogonality: 1 }),
   'without bijectivity': losses({ bijectivity: 0 }),
   'without coupling to the point map': losses({ coupling: 0 }),
   'without cross-entropy of parts': losses({ parts: 0 }),

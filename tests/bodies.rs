@@ -86,7 +86,7 @@ fn checksum(values: impl IntoIterator<Item = i64>) -> u64 {
 #[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]
 fn bodies_that_scores_are_measured_on_stay_as_they_are() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("held-out");
-    let set = HeldOut { count: 2, seed: 900_001, points: 5000 };
+    let set = HeldOut { count: 2, seed: 900_001, points: 5000, pieces: true };
     let names = write_set(&model(), &folder, &set).expect("written");
     let sums = |name: &String| {
         let bytes = std::fs::read(folder.join(format!("shapes/{name}.off"))).expect("there");
@@ -122,7 +122,7 @@ fn places_lie_in_the_part_that_labels_say() {
     let teacher = Model::embedded().networks()[0].weights();
     let atlas = Atlas::new(standing.clone(), Model::new(teacher.clone()).expect("a model")).expect("an atlas");
     let config = SampleConfig { teacher: Some(teacher.id()), ..SampleConfig::of(&teacher.config, 1500) };
-    let maker = Maker { model: &model, template: &template, atlas: Some(&atlas), config: &config };
+    let maker = Maker::new(&model, &template, Some(&atlas), &config);
     for seed in 0..6 {
         let sample = maker.sample(seed).expect("a sample");
         let places = sample.places.expect("places");
@@ -143,7 +143,7 @@ fn who_waits_for_a_sample_that_cannot_be_made_is_told() {
     let model = model();
     let template = model.template(5000).expect("body data");
     let config = SampleConfig::of(&ModelConfig::shipped(), 900);
-    let maker = Maker { model: &model, template: &template, atlas: None, config: &config };
+    let maker = Maker::new(&model, &template, None, &config);
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("vanishes");
     let pool = Pool::open(&folder, 2, &config).expect("opened");
     std::fs::remove_dir_all(&folder).expect("removed");

@@ -188,6 +188,7 @@ fn inputs(points: usize) -> ShapeInputs {
         lambda: Array2::from_shape_fn((k, 1), |(j, _)| 12.6 * j as f32),
         phi,
         encoded: None,
+        extent: 1.0,
     }
 }
 

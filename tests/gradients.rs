@@ -112,6 +112,7 @@ fn losses_have_the_gradients_that_differences_find() {
         orthogonality: 0.0,
         coupling: 0.0,
         places: 0.0,
+        extent: 0.0,
         semantic: 0.0,
         eigen: 0.0,
         features_orthogonal: 0.0,

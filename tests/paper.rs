@@ -471,7 +471,7 @@ fn bodies_stand_alike_where_that_is_asked_for() {
     let model = BodyModel::load(Path::new(&data)).expect("body data");
     let template = model.template(5000).expect("body data");
     let config = SampleConfig { points: 600, ..SampleConfig::paper(&ModelConfig::paper()) };
-    let maker = Maker { model: &model, template: &template, atlas: None, config: &config };
+    let maker = Maker::new(&model, &template, None, &config);
     let part = |name: &str| PARTS.iter().position(|part| *part == name).expect("a part") as u32;
     let mut found = Vec::new();
     for seed in 0..24 {

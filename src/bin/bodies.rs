@@ -66,6 +66,9 @@ enum Command {
         /// Vertices of each mesh.
         #[arg(long, default_value_t = 5000)]
         points: usize,
+        /// A piece of each body beside it, to be matched to the whole of another.
+        #[arg(long)]
+        pieces: bool,
     },
     /// Writes people dressed in shells, as game avatars are, beside bare ones, in the layout that `geose-fmap evaluate` reads.
     Avatars {
@@ -116,8 +119,8 @@ fn run(command: Command) -> Result<Vec<String>, SampleError> {
     match command {
         Command::Samples { data, out } => write_samples(&BodyModel::load(&data)?, &out),
         Command::Quadric { data, out, count, seed } => write_sheet(&BodyModel::load(&data)?, &out, count, seed),
-        Command::Set { data, out, count, seed, points } => {
-            write_set(&BodyModel::load(&data)?, &out, &HeldOut { count, seed, points })
+        Command::Set { data, out, count, seed, points, pieces } => {
+            write_set(&BodyModel::load(&data)?, &out, &HeldOut { count, seed, points, pieces })
         }
         Command::Avatars { data, out, count, seed } => write_avatars(&BodyModel::load(&data)?, &out, count, seed),
         Command::Scenes { data, out, count, seed } => write_scenes(&BodyModel::load(&data)?, &out, count, seed),

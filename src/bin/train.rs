@@ -77,7 +77,7 @@ struct Arguments {
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
     folds: Option<u32>,
     /// A JSON list of objects with fields of the losses that differ, one for each candidate of `--folds`.
-    #[arg(long, default_value = r#"[{}, {"semantic": 0}, {"semantic": 1}, {"orthogonality": 0.5}, {"coupling": 2}]"#)]
+    #[arg(long, default_value = r#"[{}, {"semantic": 0}, {"semantic": 1}, {"orthogonality": 1}, {"coupling": 2}]"#)]
     candidates: String,
     /// Stop after so many minutes; the same command goes on.
     #[arg(long, default_value_t = f64::INFINITY)]
@@ -179,7 +179,7 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
     };
     match source {
         Source::Generator(model) => {
-            let pool = pool(&samples, PathBuf::from("target/bodies"))?;
+            let pool = pool(&samples, PathBuf::from("target/bodies"))?.per_body(samples.scans_of_body.max(1));
             let template = model.template(5000)?;
             let atlas = teacher.map(|teacher| -> Result<Atlas, Box<dyn std::error::Error>> {
                 let neutral = model.body(&Person::default(), &Pose::default())?;
@@ -187,7 +187,7 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
                 Ok(Atlas::new(neutral, Model::new(teacher)?)?)
             });
             let atlas = atlas.transpose()?;
-            let maker = Maker { model: &model, template: &template, atlas: atlas.as_ref(), config: &samples };
+            let maker = Maker::new(&model, &template, atlas.as_ref(), &samples);
             train_from(&maker, &pool, arguments, &network, &run, start.as_ref())
         }
         Source::Scans(_) if teacher.is_some() => Err("--teacher places synthetic bodies, and these are scans".into()),

@@ -161,6 +161,7 @@ mod tests {
             learned: Some(learned),
             coarse: vec![0, 1, 2, 3],
             surface,
+            share: 1.0,
         }
     }
 

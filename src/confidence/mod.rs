@@ -3,9 +3,11 @@
 mod calibration;
 mod cues;
 mod distortion;
+mod overlap;
 
 pub(crate) use calibration::confidence;
 #[cfg(feature = "train")]
 pub(crate) use calibration::{Fit, Situation, fit_of_faults, probability};
 pub(crate) use cues::Cues;
 pub use distortion::{strain, stretch};
+pub(crate) use overlap::alone;

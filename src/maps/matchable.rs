@@ -23,6 +23,8 @@ pub struct Matchable {
     pub coarse: Vec<u32>,
     /// The surface around that sampling.
     pub surface: SampledSurface,
+    /// The share of the body's surface that is there, 1 of a whole body: lengths are in √area of that.
+    pub share: f64,
 }
 
 /// Cues of confidence that a network gives; p points.

@@ -46,6 +46,9 @@ pub struct ModelConfig {
     /// Eigenfunctions k of the functional maps, in training and of the first maps in matching.
     #[serde(default = "shipped_map")]
     pub map: usize,
+    /// Whether it says how much of a body there is; see [`Embedding::extent`](super::Embedding::extent).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub extent: bool,
 }
 
 fn one_layer() -> usize {
@@ -130,6 +133,7 @@ impl ModelConfig {
             mask: Mask::Soft,
             solve: Solver::Masked,
             map: shipped_map(),
+            extent: false,
         }
     }
 
@@ -154,6 +158,7 @@ impl ModelConfig {
             mask: Mask::Hard,
             solve: Solver::LeastSquares,
             map: 120,
+            extent: false,
         }
     }
 

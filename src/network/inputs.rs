@@ -30,6 +30,8 @@ pub struct ShapeInputs {
     pub lambda: Array2<f32>,
     /// ψ of the positions (n, d') where it joins after the DiffusionNet ([`Encoding::Features`]).
     pub encoded: Option<Array2<f32>>,
+    /// √area of the shape over that of the whole body.
+    pub extent: f32,
 }
 
 /// ψ of one point: sines and cosines.
@@ -48,8 +50,8 @@ fn encode(p: ArrayView1<f32>, position: Position, mut out: ArrayViewMut1<f32>) {
 }
 
 impl ShapeInputs {
-    /// For a network, from a basis (n, ≥ k) at unit area, the gradients of its eigenfunctions (n, ≥ k) and positions (n, 3) centred and in √area; k is the
-    /// network's number of eigenpairs. `extent` is √area of the shape over that of the whole body, 1 unless it is a piece.
+    /// For a network, from a basis (n, ≥ k) at unit area, the gradients of its eigenfunctions (n, ≥ k) and positions (n, 3) centred and in √area of
+    /// the whole body; k is the network's number of eigenpairs. `extent` is √area of the shape over that of the whole body, 1 unless it is a piece.
     pub fn new(
         basis: &SpectralBasis,
         gradients: [ArrayView2<f32>; 2],
@@ -60,18 +62,16 @@ impl ShapeInputs {
         let (k, position) = (config.eigenpairs.min(basis.k()), config.position);
         let single = |v: &f64| *v as f32;
         // ΦᵀMΦ = I also where masses sum to less than 1; λ is an inverse area, and ∂Φ goes with λ.
-        let (length, area) = (extent as f32, (extent * extent) as f32);
+        let (extent, area) = (extent as f32, extent * extent);
         let basis = &basis.truncated(k);
         let weyl = basis.weyl_factor();
-        let lambda = basis.eigenvalues.mapv(|l| (l / weyl) as f32 / area).insert_axis(Axis(1));
-        let phi = basis.eigenvectors.map(single) / length;
-        let mass = basis.mass.map(single).insert_axis(Axis(1)) * area;
-        let points = points.map(single) * length;
+        let lambda = basis.eigenvalues.mapv(|l| (l / (weyl * area)) as f32).insert_axis(Axis(1));
+        let phi = basis.eigenvectors.map(single) / extent;
+        let mass = basis.mass.map(single).insert_axis(Axis(1)) * area as f32;
+        let points = points.map(single);
 
         let times: Vec<f64> = (0..SIGNATURES)
-            .map(|i| {
-                TIMES[0] * (TIMES[1] / TIMES[0]).powf(i as f64 / (SIGNATURES - 1) as f64) / (weyl * extent * extent)
-            })
+            .map(|i| TIMES[0] * (TIMES[1] / TIMES[0]).powf(i as f64 / (SIGNATURES - 1) as f64) / (weyl * area))
             .collect();
         let mut channels = Array2::zeros((basis.len(), input_channels(config)));
         channels.slice_mut(s![.., ..SIGNATURES]).assign(&heat_kernel_signature(basis, &times));
@@ -96,10 +96,11 @@ impl ShapeInputs {
             channels,
             moments: &points * &mass,
             projector: &phi * &mass,
-            gradients: gradients.map(|g| g.slice(s![.., ..k]).to_owned() / area),
+            gradients: gradients.map(|g| g.slice(s![.., ..k]).to_owned() / area as f32),
             phi,
             points,
             lambda,
+            extent,
         }
     }
 
@@ -142,4 +143,33 @@ pub struct InputsOn<T> {
     pub lambda: T,
     pub encoded: Option<T>,
     pub count: usize,
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::{Array2, array};
+
+    use super::ShapeInputs;
+    use crate::network::ModelConfig;
+    use crate::spectrum::SpectralBasis;
+
+    #[test]
+    fn a_piece_is_seen_in_units_of_the_whole_body() {
+        // Four points of a quarter of the mass each, at unit area.
+        let basis = SpectralBasis {
+            eigenvalues: array![0.0, 3.0],
+            eigenvectors: array![[1.0, 1.0], [1.0, -1.0], [1.0, 1.0], [1.0, -1.0]],
+            mass: array![0.25, 0.25, 0.25, 0.25],
+        };
+        let points = array![[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.3], [-0.1, -0.2, -0.3]];
+        let gradient = Array2::<f32>::ones((4, 2));
+        let seen = |extent: f64| {
+            let both = [gradient.view(), gradient.view()];
+            ShapeInputs::new(&basis, both, points.view(), extent, &ModelConfig::shipped().input())
+        };
+        let (whole, half) = (seen(1.0), seen(0.5));
+        assert_eq!(half.projector.t().dot(&half.phi), Array2::<f32>::eye(2));
+        assert_eq!((&half.points, &half.lambda), (&whole.points, &(4.0 * &whole.lambda)));
+        assert_eq!((&half.moments, &half.gradients[0]), (&(0.25 * &whole.moments), &(4.0 * &whole.gradients[0])));
+    }
 }

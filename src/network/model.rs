@@ -38,12 +38,14 @@ pub struct PointEmbedding {
     pub features: Array2<f32>,
     /// Probability of each part of the category (p, c).
     pub parts: Array2<f32>,
+    /// √area of the shape over that of the whole body, from networks that say how much of a body there is.
+    pub extent: Option<f32>,
 }
 
 impl PointEmbedding {
     /// Whether all of it are numbers: those of other weights may grow beyond what f32 holds.
     pub(crate) fn is_finite(&self) -> bool {
-        self.features.iter().chain(&self.parts).all(|v| v.is_finite())
+        self.features.iter().chain(&self.parts).chain(&self.extent).all(|v| v.is_finite())
     }
 }
 
@@ -141,11 +143,16 @@ impl<T> TrainedNetwork<T> {
     pub async fn embed<D: Device<Tensor = T>>(&self, device: &D, inputs: &ShapeInputs) -> PointEmbedding {
         let embedding = self.network.embed(device, &inputs.upload(device));
         let parts = device.softmax_rows(&embedding.logits);
+        let extent = match &embedding.extent {
+            Some(extent) => Some(inputs.extent * device.download(extent).await[(0, 0)].exp()),
+            None => None,
+        };
         PointEmbedding {
             weights: self.id.clone(),
             category: self.category.clone(),
             features: device.download(&embedding.features).await,
             parts: device.download(&parts).await,
+            extent,
         }
     }
 }
@@ -170,7 +177,7 @@ mod tests {
         let of = |f: usize, value: f32| {
             let (weights, category) = (network.id().clone(), network.category().clone());
             let features = Array2::from_elem((3, f), value);
-            PointEmbedding { weights, category, features, parts: Array2::zeros((3, 14)) }
+            PointEmbedding { weights, category, features, parts: Array2::zeros((3, 14)), extent: None }
         };
         let f = network.weights().config.features;
         let prior = |value: f32| network.prior(&of(f, value)).expect("a prior");

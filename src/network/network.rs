@@ -1,5 +1,7 @@
 //! The forward pass, written once for matching and for training.
 
+use ndarray::Array2;
+
 use super::attention::PartAttention;
 use super::batch_norm::{Points, Statistics};
 use super::config::input_channels;
@@ -20,6 +22,7 @@ pub struct Network<T> {
     norm: Option<LayerNorm<T>>,
     features: Linear<T>,
     parts: Linear<T>,
+    extent: Option<Linear<T>>,
     attention: Vec<PartAttention<T>>,
 }
 
@@ -30,6 +33,8 @@ pub struct Embedding<T> {
     pub features: T,
     /// Logits of the parts (n, c).
     pub logits: T,
+    /// √area of the shape over that of the whole body that it is of, in units of what its inputs say: the logarithm (1, 1). None from networks that do not tell.
+    pub extent: Option<T>,
 }
 
 impl<T> Network<T> {
@@ -46,6 +51,7 @@ impl<T> Network<T> {
             norm: (config.norm == Norm::Layer).then(|| LayerNorm::new(source, "norm", width)).transpose()?,
             features: Linear::new(source, "features", width, config.features, 1.0)?,
             parts: Linear::new(source, "parts", width, parts, 1.0)?,
+            extent: config.extent.then(|| Linear::new(source, "extent", width, 1, 0.1)).transpose()?,
             attention: (0..layers)
                 .map(|i| {
                     let name = if i == 0 { "attention".to_owned() } else { format!("attention{i}") };
@@ -94,7 +100,11 @@ impl<T> Network<T> {
                 Some(encoded) => device.concat(&[(&features, 1.0), (encoded, 1.0)]),
                 None => features,
             };
-            Embedding { features, logits: self.parts.forward(device, &x) }
+            let extent = self.extent.as_ref().map(|head| {
+                let mean = Array2::from_elem((1, shape.count), 1.0 / shape.count as f32);
+                device.matmul(&device.upload(mean.view()), &head.forward(device, &x))
+            });
+            Embedding { features, logits: self.parts.forward(device, &x), extent }
         };
         x.into_iter().zip(shapes).map(heads).collect()
     }

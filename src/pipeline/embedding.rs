@@ -11,6 +11,12 @@ use crate::network::{InputConfig, Model, PointEmbedding, ShapeInputs, TrainedNet
 use crate::operators::{EdgeFilter, gradient_around};
 use crate::progress::{Cancelled, Progress, Stage};
 
+/// A shape with this share of a body's surface is taken for a whole one, and no shape for less of it than the other.
+const NEARLY_WHOLE: f64 = 0.85;
+const LEAST: f64 = 0.05;
+/// How often a piece is looked at: as if it were whole, and as what it then turns out to be.
+const LOOKS: usize = 2;
+
 /// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with.
 pub(super) async fn ask<D: Device>(
     model: &Model<D>,
@@ -23,28 +29,47 @@ pub(super) async fn ask<D: Device>(
     progress.at(Stage::Features, share.start)?;
     prepared.embeddings.clear();
     for (index, trained) in model.networks().iter().enumerate() {
-        let inputs = {
-            // Gradients ask for a graph again, but a listener is not told of a stage twice.
-            let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
-            network_inputs(prepared, carriers, filter, 1.0, &trained.weights().config.input(), &mut within)
-                .map_err(|_| Cancelled { stage: Stage::Features })?
-        };
-        progress.at(Stage::Features, share.end)?;
-        let embedding = match embed(model.device(), trained, &inputs).await {
-            Ok(embedding) => embedding,
-            Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
-            Err(interrupted) => {
-                prepared.info.fallback = interrupted.fallback();
-                model.on_cpu().networks()[index].embed(&Cpu, &inputs).await
+        let config = trained.weights().config.input();
+        prepared.take_for_piece(1.0);
+        let mut looks = 0;
+        let embedding = loop {
+            let inputs = {
+                // Gradients ask for a graph again, but a listener is not told of a stage twice.
+                let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
+                network_inputs(prepared, carriers, filter, &config, &mut within)
+                    .map_err(|_| Cancelled { stage: Stage::Features })?
+            };
+            progress.at(Stage::Features, share.end)?;
+            let embedding = match embed(model.device(), trained, &inputs).await {
+                Ok(embedding) => embedding,
+                Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+                Err(interrupted) => {
+                    prepared.info.fallback = interrupted.fallback();
+                    model.on_cpu().networks()[index].embed(&Cpu, &inputs).await
+                }
+            };
+            if !embedding.is_finite() {
+                return Err(Error::NotFinite { what: "what the network says of a scan".to_owned() });
             }
+            looks += 1;
+            let piece = share_of_body(&embedding);
+            if piece >= 1.0 || looks == LOOKS {
+                break embedding;
+            }
+            // How large the whole body is tells what a limb looks like.
+            prepared.take_for_piece(piece);
         };
-        if !embedding.is_finite() {
-            return Err(Error::NotFinite { what: "what the network says of a scan".to_owned() });
-        }
         prepared.embeddings.push(embedding);
     }
     prepared.embeddings.sort_by(|x, y| rank(x).0.cmp(&rank(y).0).then(rank(y).1.total_cmp(&rank(x).1)));
+    prepared.take_for_piece(prepared.embeddings.first().map_or(1.0, share_of_body));
     Ok(())
+}
+
+/// The share of the body's surface that a shape has by what a network says; 1 of what is nearly whole.
+fn share_of_body(embedding: &PointEmbedding) -> f64 {
+    let share = embedding.extent.map_or(1.0, |extent| f64::from(extent * extent));
+    if share < NEARLY_WHOLE { share.max(LEAST) } else { 1.0 }
 }
 
 /// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
@@ -70,12 +95,11 @@ async fn embed<D: Device>(
     if embedding.is_finite() { Ok(embedding) } else { Err(Interrupted::NotFinite(Stage::Features)) }
 }
 
-/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`; `extent` is √area of the shape over that of the whole body.
+/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`.
 pub(crate) fn network_inputs(
     prepared: &PreparedShape,
     carriers: &Carriers,
     filter: Option<EdgeFilter>,
-    extent: f64,
     config: &InputConfig,
     progress: &mut Progress,
 ) -> Result<ShapeInputs, Cancelled> {
@@ -87,8 +111,9 @@ pub(crate) fn network_inputs(
         Some(used) => used.iter().map(|&carrier| carrier as usize).collect(),
         None => (0..prepared.basis.len()).collect(),
     };
-    // Φ grows with √area and ∂ with it once more when lengths are measured in √area.
-    let scale = unit_area.sqrt() * prepared.info.scale;
+    // Φ grows with √area and ∂ with it once more when lengths are measured in √area of the shape.
+    let extent = prepared.info.share.sqrt();
+    let scale = unit_area.sqrt() * prepared.info.scale * extent;
     let gradients = gradient.along.map(|along| {
         let mut out = Array2::zeros((rows.len(), k));
         for (mut out, &i) in out.rows_mut().into_iter().zip(&rows) {

@@ -67,7 +67,9 @@ pub(super) async fn best_maps<'a, D: Device>(
         let found = refine(device, (side_a, side_b), first, extra.as_ref(), constraints, as_is, silent).await?;
         contradicted = found.residual > AWAY;
     }
-    if contradicted || home.as_ref().is_none_or(|home| home.scores.is_of_others() && !options.network_only) {
+    // Without a network a piece is laid onto whatever is as large.
+    let piece = sides.iter().any(|side| side.share < 1.0);
+    if contradicted || home.as_ref().is_none_or(|home| home.scores.is_of_others() && !options.network_only && !piece) {
         let known = pair.known.as_ref().map(|(on_a, on_b)| (on_a.view(), on_b.view()));
         // Many steps on few points: a device would mostly wait.
         let maps = initial_maps(&Cpu, &sides[0], &sides[1], known, constraints).await;

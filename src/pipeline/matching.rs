@@ -9,10 +9,10 @@ use super::hypotheses::{BestMaps, Pair, best_maps};
 use super::thinned::MATCHED;
 use super::warnings::{Warning, contradicted, labelled_otherwise, of_map, of_shapes, verdict, without_network};
 use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
-use crate::confidence::{Cues, stretch};
+use crate::confidence::{Cues, alone, stretch};
 use crate::device::{Device, Fallback, Interrupted};
 use crate::lifting::lift;
-use crate::maps::{Correspondence, FunctionalMap};
+use crate::maps::{Correspondence, FunctionalMap, UNMATCHED};
 use crate::network::{Model, PointEmbedding, TrainedNetwork, WeightsId};
 use crate::progress::{Progress, Stage};
 use crate::registration::{Constraints, Refined, sampled_at};
@@ -125,6 +125,9 @@ pub(crate) async fn match_with_cues<D: Device>(
         Err(Interrupted::Failed(_)) => unreachable!("the CPU does not fail"),
     };
     let Refined { mut a_to_b, mut b_to_a, maps, cues, .. } = refined;
+    // A whole body has a partner for every point.
+    let without_partner =
+        [(&cues[0], side_b), (&cues[1], side_a)].map(|(cues, other)| (other.share < 1.0).then(|| alone(cues)));
     let reliability = (a.info.reliability * b.info.reliability) as f32;
     [&mut a_to_b, &mut b_to_a]
         .into_iter()
@@ -142,6 +145,9 @@ pub(crate) async fn match_with_cues<D: Device>(
     };
     let (mut a_to_b, mut b_to_a) =
         (lifted(&a_to_b, a, b, labels), lifted(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
+    for (found, from, alone) in [(&mut a_to_b, a, &without_partner[0]), (&mut b_to_a, b, &without_partner[1])] {
+        alone.iter().for_each(|alone| leave_alone(found, from, alone));
+    }
     warnings.extend(contradicted(&options.landmarks, [a, b], [&a_to_b, &b_to_a], predicted));
     for &[i, j] in &options.landmarks {
         a_to_b.set(i, j);
@@ -165,6 +171,15 @@ pub(crate) async fn match_with_cues<D: Device>(
         gpu: GpuUse::default(),
     };
     Ok((matched, cues))
+}
+
+/// Points that stand with a point used that has no partner have none.
+fn leave_alone(found: &mut Correspondence, from: &PreparedShape, alone: &[bool]) {
+    for (i, (target, confidence)) in found.target.iter_mut().zip(&mut found.confidence).enumerate() {
+        if alone[from.support.row_of(i)] {
+            (*target, *confidence) = (UNMATCHED, 0.0);
+        }
+    }
 }
 
 /// Refuses a scan of which none of the networks at hand made its embedding, and two that have none of these in common.

@@ -36,8 +36,11 @@ pub struct Info {
     pub unit: Option<String>,
     /// The coordinate axis a standing body would have upright: given, or clearly the longest.
     pub up_axis: Option<shape::Axis>,
-    /// Root of the surface area (a cloud's is estimated) in the unit of the upload: lengths are divided by it.
+    /// Root of the surface area (a cloud's is estimated) of the whole body in the unit of the upload: lengths are divided by it.
     pub scale: f64,
+    /// The share of the body's surface that the scan has: 1 unless a network took it for a piece.
+    #[serde(default = "whole")]
+    pub share: f64,
     /// How far the scan can be relied on: confidence is multiplied by it. 1 unless coordinates are too coarse or part of the surface has hardly a point.
     pub reliability: f64,
     /// The Laplacian in use.
@@ -50,6 +53,10 @@ pub struct Info {
     pub seconds: BTreeMap<String, f64>,
     /// Where and why the CPU took over from the device; nothing when it did not.
     pub fallback: Option<Fallback>,
+}
+
+fn whole() -> f64 {
+    1.0
 }
 
 /// Mesh or cloud.
@@ -88,6 +95,12 @@ pub struct PreparedShape {
 }
 
 impl PreparedShape {
+    /// Takes it for so much of the surface of a body.
+    pub(crate) fn take_for_piece(&mut self, share: f64) {
+        self.info.scale *= (self.info.share / share).sqrt();
+        self.info.share = share;
+    }
+
     /// Points used, p.
     pub fn points_used(&self) -> usize {
         self.support.points_used(self.sampled_shape().points().len())
@@ -144,7 +157,7 @@ impl PreparedShape {
             mass,
         };
         let (features, coarse, surface) = (self.features.clone(), self.coarse.clone(), self.surface.clone());
-        Matchable { basis, points, features, learned: None, coarse, surface }
+        Matchable { basis, points, features, learned: None, coarse, surface, share: self.info.share }
     }
 
     /// What these weights said of it, if they were asked.

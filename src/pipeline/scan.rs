@@ -117,6 +117,7 @@ pub(crate) fn prepare_with_carriers(
         unit: None,
         up_axis: options.up.or(as_read.up()).or_else(|| longest_axis(&used)),
         scale: operators::surface_area(&carriers.shape, &laplacian, &carriers.neighbourhood).sqrt(),
+        share: 1.0,
         reliability,
         laplacian: kind,
         eigenpairs: basis.k().min(options.eigenpairs),

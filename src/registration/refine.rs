@@ -77,6 +77,18 @@ pub(super) const CLOUD: Schedule = Schedule {
     extra: [0.4, 0.0],
 };
 
+/// Where one of the two is a piece: no functional map goes between it and a whole, so what the network says of points stands for the spectral columns, and then where
+/// the one lies that was laid onto the other.
+pub(super) const PIECE: Schedule = Schedule {
+    rounds: 10,
+    basis: [60, 60],
+    stiffness: [30.0, 1.0],
+    spectral: [0.0, 0.0],
+    coordinates: [4.0, 8.0],
+    normals: [0.5, 1.0],
+    extra: [1.0, 0.3],
+};
+
 impl Schedule {
     fn share(&self, round: usize) -> f64 {
         if self.rounds > 1 { round as f64 / (self.rounds - 1) as f64 } else { 1.0 }
@@ -197,7 +209,14 @@ pub(crate) async fn refine<D: Device>(
     refinement: Refinement,
     progress: &mut Progress<'_>,
 ) -> Result<Refined, Interrupted> {
-    let schedule = if a.surface.oriented && b.surface.oriented { MESH } else { CLOUD };
+    let piece = a.share.min(b.share) < 1.0;
+    let schedule = match a.surface.oriented && b.surface.oriented {
+        _ if piece => PIECE,
+        true => MESH,
+        false => CLOUD,
+    };
+    // What the first maps say of points.
+    let spectral_first = if piece { 0.0 } else { 1.0 };
     let smallest = first.c_ab.nrows();
     let largest = if refinement == Refinement::None { smallest } else { a.basis.k().min(b.basis.k()) };
     let ((parts_a, parts_b), (extra_a, extra_b)) =
@@ -215,12 +234,12 @@ pub(crate) async fn refine<D: Device>(
     let held = samples([a, b], constraints.landmarks);
     let coarse = || [full[0].at(device, &a.coarse), full[1].at(device, &b.coarse)];
     let (maps, spectral, registered) = match refinement {
-        Refinement::None => (first, 1.0, None),
+        Refinement::None => (first, spectral_first, None),
         Refinement::ZoomOut => (zoom_out(device, &coarse(), first, largest, &held, progress).await?, 1.0, None),
         Refinement::Best => {
             let coarse = coarse();
             let mut registration = Registration::new(a, b, COARSE);
-            let mut there_and_back = nearest(device, &coarse, &first, 1.0, &known(&coarse, 1.0));
+            let mut there_and_back = nearest(device, &coarse, &first, spectral_first, &known(&coarse, 1.0));
             hold(device, &mut there_and_back, &held).await;
             let mut round = 0;
             loop {

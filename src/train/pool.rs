@@ -1,12 +1,14 @@
 //! The scans that training draws from: made once, kept on disk, the same for every run of a seed.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::thread;
 use std::time::Duration;
 use std::{fs, io};
 
+use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -55,7 +57,18 @@ pub struct Maker<'a> {
     pub atlas: Option<&'a Atlas>,
     /// How.
     pub config: &'a SampleConfig,
+    /// Bodies of which more scans may follow, by seed.
+    bodies: Mutex<BTreeMap<u64, Arc<Body>>>,
 }
+
+/// The fine skin of a body in metres, and where its vertices lie on the atlas.
+struct Body {
+    skin: Vec<DVec3>,
+    places: Option<Vec<[f32; 3]>>,
+}
+
+/// Bodies that are kept: makers work on indices that follow one another.
+const KEPT: usize = 4;
 
 impl Pool {
     /// In `folder`, which is made where it is missing. A folder of samples that were made otherwise is refused.
@@ -161,7 +174,17 @@ impl MakesSamples for Maker<'_> {
     }
 }
 
-impl Maker<'_> {
+impl<'a> Maker<'a> {
+    /// From bodies of the generator, and its mesh, as `config` says; points are placed where there is an `atlas`.
+    pub fn new(
+        model: &'a BodyModel,
+        template: &'a Template,
+        atlas: Option<&'a Atlas>,
+        config: &'a SampleConfig,
+    ) -> Self {
+        Self { model, template, atlas, config, bodies: Mutex::default() }
+    }
+
     /// The sample of a seed: a scan of a random body with the operator that such a scan would get, or for a part of the clouds another one, because
     /// weights trained on one operator alone fail on others.
     pub fn sample(&self, seed: u64) -> Result<Sample, String> {
@@ -176,8 +199,10 @@ impl Maker<'_> {
             Stand::Alike => ScanOptions { points, mirrored: 0.0, moved: false, ..ScanOptions::default() },
         };
         // Of the truth nothing but the surface behind each point, to find the place of that surface.
-        let (scan, behind) = self.model.scan(self.template, seed, &options).map_err(|error| error.to_string())?;
-        let places = self.atlas.map(|atlas| self.places(atlas, seed, &behind.skin)).transpose()?;
+        let body = self.body(seed / self.config.scans_of_body.max(1) as u64)?;
+        let (scan, behind) = self.model.scan_of_seed(&body.skin, seed, &options).map_err(|error| error.to_string())?;
+        let of = |places: &Vec<[f32; 3]>| behind.skin.iter().map(|&v| places[v as usize]).collect();
+        let places: Option<Vec<[f32; 3]>> = body.places.as_ref().map(of);
         let kind = match rng.random::<f64>() {
             _ if !scan.shape.faces().is_empty() => None,
             _ if self.config.laplacian.is_some() => self.config.laplacian,
@@ -194,11 +219,26 @@ impl Maker<'_> {
             .map_err(|error| error.to_string())
     }
 
-    /// Where a clean mesh of the body of a seed says that some vertices of its fine skin lie on the atlas.
-    fn places(&self, atlas: &Atlas, seed: u64, skin: &[u32]) -> Result<Vec<[f32; 3]>, String> {
-        let body = self.model.random_body(self.template, seed).map_err(|error| error.to_string())?;
-        let (mesh, cell) = self.model.clean_scan(&body.skin, ATLAS_POINTS).map_err(|error| error.to_string())?;
-        let places = atlas.places(mesh).map_err(|error| error.to_string())?;
-        Ok(skin.iter().map(|&v| places[cell[v as usize] as usize]).collect())
+    /// The body of a seed, on the atlas by what a clean mesh of it says of the vertices of its fine skin.
+    fn body(&self, seed: u64) -> Result<Arc<Body>, String> {
+        let known = |bodies: &BTreeMap<u64, Arc<Body>>| bodies.get(&seed).cloned();
+        if let Some(body) = self.bodies.lock().ok().and_then(|bodies| known(&bodies)) {
+            return Ok(body);
+        }
+        let skin = self.model.random_body(self.template, seed).map_err(|error| error.to_string())?.skin;
+        let placed = |atlas: &Atlas| -> Result<Vec<[f32; 3]>, String> {
+            let (mesh, cell) = self.model.clean_scan(&skin, ATLAS_POINTS).map_err(|error| error.to_string())?;
+            let places = atlas.places(mesh).map_err(|error| error.to_string())?;
+            Ok(cell.iter().map(|&v| places[v as usize]).collect())
+        };
+        let places = self.atlas.map(placed).transpose()?;
+        let body = Arc::new(Body { skin, places });
+        if let Ok(mut bodies) = self.bodies.lock() {
+            bodies.insert(seed, body.clone());
+            if bodies.len() > KEPT {
+                bodies.pop_first();
+            }
+        }
+        Ok(body)
     }
 }

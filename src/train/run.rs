@@ -161,9 +161,10 @@ pub enum RunError {
 const LOG: usize = 20;
 const CHECKPOINT: usize = 200;
 /// Columns of the log after step, rate and seconds.
-const MEANS: [&str; 11] = [
+const MEANS: [&str; 12] = [
     "parts",
     "places",
+    "extent",
     "semantic",
     "eigen",
     "features_orthogonal",

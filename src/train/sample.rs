@@ -59,8 +59,9 @@ impl Sample {
             ..PrepareOptions::default()
         };
         let mut progress = Progress::silent();
-        let (prepared, carriers, _) =
+        let (mut prepared, carriers, _) =
             prepare_with_carriers(shape, None, &options, &Aside::default(), 0, &mut progress)?;
+        prepared.take_for_piece(extent * extent);
         let labels = prepared.shape.labels().unwrap_or_default();
         // Points between the uploaded ones have the label and the place of the one that stands for them.
         let uploaded =
@@ -69,7 +70,7 @@ impl Sample {
         let used: Vec<usize> = used.collect();
         let labels = used.iter().map(|&i| labels[i]).collect();
         let places = places.map(|at| Array2::from_shape_fn((used.len(), 3), |(row, axis)| at[used[row]][axis]));
-        let inputs = network_inputs(&prepared, &carriers, None, extent, &config.input, &mut progress)
+        let inputs = network_inputs(&prepared, &carriers, None, &config.input, &mut progress)
             .map_err(crate::operators::OperatorError::from)?;
         Ok(Self { inputs, labels, places, share: share as f32 })
     }
@@ -88,8 +89,8 @@ impl Sample {
             ("lambda", &inputs.lambda),
         ];
         matrices.extend(self.places.as_ref().map(|places| ("places", places)));
-        let share = Array2::from_elem((1, 1), self.share);
-        matrices.push(("share", &share));
+        let [share, extent] = [self.share, self.inputs.extent].map(|value| Array2::from_elem((1, 1), value));
+        matrices.extend([("share", &share), ("extent", &extent)]);
         matrices.extend(inputs.encoded.as_ref().map(|encoded| ("encoded", encoded)));
         // f16 has five bits of exponent: masses of single points would be subnormal in it.
         let scale = |name: &str| if matches!(name, "moments" | "projector") { inputs.len() as f32 } else { 1.0 };
@@ -137,6 +138,7 @@ impl Sample {
                 gradients: [read("along")?, read("across")?],
                 lambda: read("lambda")?,
                 encoded: optional("encoded")?,
+                extent: optional("extent")?.map_or(1.0, |extent| extent[(0, 0)]),
             },
             labels,
             places: optional("places")?,

@@ -27,6 +27,9 @@ pub struct SampleConfig {
     /// Share of pieces among generated scans.
     #[serde(default)]
     pub pieces: f64,
+    /// How many scans, one after the other, are of one generated body: making it and placing its points takes longer than scanning it.
+    #[serde(default = "one")]
+    pub scans_of_body: usize,
     /// The operator of every cloud; by default that of matching on most, others on some.
     pub laplacian: Option<LaplacianKind>,
     /// The weights that place points on the atlas, if any do.
@@ -39,6 +42,10 @@ pub struct SampleConfig {
 
 fn quarter() -> f64 {
     0.25
+}
+
+fn one() -> usize {
+    1
 }
 
 /// How generated bodies stand.
@@ -71,6 +78,7 @@ impl SampleConfig {
             input: network.input(),
             stand: Stand::Random,
             pieces: 0.0,
+            scans_of_body: one(),
             laplacian: None,
             teacher: None,
             scans: None,

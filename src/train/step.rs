@@ -41,6 +41,8 @@ pub struct Forward {
     places: [Option<Array2<f32>>; 2],
     /// Whether both are whole bodies: between a piece and a whole no functional map is an isometry.
     whole: bool,
+    /// What the network says of the extent of each, and what is right, as logarithms.
+    extents: [Option<(Tensor, f64)>; 2],
     solve: Solver,
 }
 
@@ -74,6 +76,10 @@ impl Forward {
             lambda: pair.map(|sample| sample.inputs.lambda.column(0).iter().take(k).map(|&l| f64::from(l)).collect()),
             places: pair.map(|sample| sample.places.clone()),
             whole: pair.iter().all(|sample| sample.share >= WHOLE),
+            extents: [(a, pair[0]), (b, pair[1])].map(|(of, sample)| {
+                let right = 0.5 * f64::from(sample.share).ln() - f64::from(sample.inputs.extent).ln();
+                of.extent.clone().map(|said| (said, right))
+            }),
             solve: network.config.solve,
         }
     }
@@ -92,7 +98,12 @@ impl Forward {
 
     /// The losses.
     pub fn losses(&self, weights: &LossWeights, maps: bool) -> candle_core::Result<Terms> {
-        losses(weights, self.solve, &self.side(0), &self.side(1), maps && self.whole)
+        let mut terms = losses(weights, self.solve, &self.side(0), &self.side(1), maps && self.whole)?;
+        if let [Some((a, right_a)), Some((b, right_b))] = &self.extents {
+            let off = |said: &Tensor, right: f64| said.affine(1.0, -right)?.sqr()?.sum_all();
+            terms.push(("extent", weights.extent, (off(a, *right_a)? + off(b, *right_b)?)?.affine(0.5, 0.0)?));
+        }
+        Ok(terms)
     }
 
     /// Share of points of both shapes whose part is right, by the largest logit.

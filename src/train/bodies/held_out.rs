@@ -1,5 +1,6 @@
 //! Bodies that training never sees, in the layout `evaluate` reads.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -8,7 +9,9 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::chance::uniform;
 use super::parts::PARTS;
+use super::pieces::piece;
 use super::random::PoseSource;
 use super::samples::SampleError;
 use super::scan::even_mesh;
@@ -29,6 +32,8 @@ pub struct HeldOut {
     pub seed: u64,
     /// Vertices of each mesh, and points of the template that the truth is given at.
     pub points: usize,
+    /// Whether there is a piece of each body too, every second one in another unit, and pairs are of pieces with wholes, every fourth of two pieces.
+    pub pieces: bool,
 }
 
 /// Writes shapes, truth with its mirror image, labels and some two pairs a body into `out`; returns the names of the shapes. Every body is another person and
@@ -43,6 +48,7 @@ pub fn write_set(model: &BodyModel, out: &Path, set: &HeldOut) -> Result<Vec<Str
         fs::write(&path, bytes).map_err(|source| SampleError::Write { path, source })
     };
     let template = model.template(set.points)?;
+    let mut pieces = Vec::new();
     let names: Vec<String> = (0..set.count).map(|i| format!("body_{:06}", set.seed + i as u64)).collect();
     for (i, name) in names.iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(set.seed + i as u64);
@@ -56,10 +62,29 @@ pub fn write_set(model: &BodyModel, out: &Path, set: &HeldOut) -> Result<Vec<Str
         let labels: Vec<u32> = mesh.vertices.iter().map(|&v| model.labels[v as usize]).collect();
         save(format!("labels/{name}.txt"), lines(&labels))?;
         let [truth, mirrored] = truth(model, &template, &mesh.cell);
+        if set.pieces {
+            let (kind, faces) = piece(&places, &mesh.faces, &mut rng);
+            let unit = if i % 2 == 0 { 1.0 } else { uniform(&mut rng, -1.0..1.0).exp2() };
+            let kept: BTreeSet<u32> = faces.iter().flatten().copied().collect();
+            let kept: Vec<u32> = kept.into_iter().collect();
+            let row = |v: u32| kept.binary_search(&v).map_or(0, |row| row as u32 + 1);
+            let name = format!("{name}_{kind}");
+            pieces.push(name.clone());
+            let places: Vec<DVec3> = kept.iter().map(|&v| unit * places[v as usize]).collect();
+            let faces: Vec<[u32; 3]> = faces.iter().map(|face| face.map(|v| row(v) - 1)).collect();
+            let mut off = Vec::new();
+            write_off(&mut off, &places, &faces).expect("writing to memory does not fail");
+            save(format!("shapes/{name}.off"), off)?;
+            save(format!("labels/{name}.txt"), lines(&kept.iter().map(|&v| labels[v as usize]).collect::<Vec<_>>()))?;
+            let of_piece = |rows: &[u32]| lines(&rows.iter().map(|&v| row(v - 1)).collect::<Vec<_>>());
+            save(format!("corres/{name}.vts"), of_piece(&truth))?;
+            save(format!("corres/{name}.sym.vts"), of_piece(&mirrored))?;
+        }
         save(format!("corres/{name}.vts"), lines(&truth))?;
         save(format!("corres/{name}.sym.vts"), lines(&mirrored))?;
     }
-    save("pairs.txt".to_owned(), lines(&pairs(&names, set.seed)))?;
+    let pairs = if set.pieces { pairs_of_pieces(&names, &pieces) } else { pairs(&names, set.seed) };
+    save("pairs.txt".to_owned(), lines(&pairs))?;
     let parts = PARTS.map(|part| part.replace(' ', "_"));
     save("labels.json".to_owned(), format!("{}\n", serde_json::json!(parts)).into_bytes())?;
     save("NOTE.txt".to_owned(), format!("{}\n", note(set)).into_bytes())?;
@@ -85,6 +110,13 @@ fn pairs(names: &[String], seed: u64) -> Vec<String> {
         }
     }
     pairs
+}
+
+/// Each piece to the whole of the next body, every fourth to its piece.
+fn pairs_of_pieces(names: &[String], pieces: &[String]) -> Vec<String> {
+    let next = |i: usize| (i + 1) % names.len();
+    let other = |i: usize| if i % 4 == 3 { &pieces[next(i)] } else { &names[next(i)] };
+    pieces.iter().enumerate().map(|(i, piece)| format!("{piece} {}", other(i))).collect()
 }
 
 fn note(set: &HeldOut) -> String {

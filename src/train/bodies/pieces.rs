@@ -33,16 +33,17 @@ enum Kind {
     Box,
 }
 
-/// The triangles of a random piece of a body (metres); all of them where so little was left that it is no piece.
-pub(super) fn piece(skin: &[DVec3], triangles: &[[u32; 3]], rng: &mut ChaCha8Rng) -> Vec<[u32; 3]> {
+/// What a random piece of a body (metres) is called, and its triangles; all of them where so little was left that it is no piece.
+pub(super) fn piece(skin: &[DVec3], triangles: &[[u32; 3]], rng: &mut ChaCha8Rng) -> (&'static str, Vec<[u32; 3]>) {
     let kinds = [
-        (0.3, Kind::Plane),
-        (0.15, Kind::Holes(FEW)),
-        (0.15, Kind::Holes(MANY)),
-        (0.25, Kind::View),
-        (0.15, Kind::Box),
+        (0.3, ("cut", Kind::Plane)),
+        (0.15, ("holesM", Kind::Holes(FEW))),
+        (0.15, ("holesH", Kind::Holes(MANY))),
+        (0.25, ("view", Kind::View)),
+        (0.15, ("box", Kind::Box)),
     ];
-    let left = match pick_by(rng, &kinds) {
+    let (name, kind) = pick_by(rng, &kinds);
+    let left = match kind {
         Kind::Plane => in_front(skin, triangles.to_vec(), normal_vector(rng), uniform(rng, BEHIND_A_PLANE)),
         Kind::Holes((count, radius)) => with_holes(skin, triangles, count, radius, rng),
         Kind::View => seen(skin, triangles, rng),
@@ -58,7 +59,7 @@ pub(super) fn piece(skin: &[DVec3], triangles: &[[u32; 3]], rng: &mut ChaCha8Rng
         }
     };
     let left = fragments(skin, left);
-    if area(skin, &left) < LEAST * area(skin, triangles) { triangles.to_vec() } else { left }
+    (name, if area(skin, &left) < LEAST * area(skin, triangles) { triangles.to_vec() } else { left })
 }
 
 /// What a plane leaves that takes a share of the area away.
@@ -151,7 +152,7 @@ mod tests {
         let (skin, triangles) = ring();
         let whole = area(&skin, &triangles);
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let shares: Vec<f64> = (0..60).map(|_| area(&skin, &piece(&skin, &triangles, &mut rng)) / whole).collect();
+        let shares: Vec<f64> = (0..60).map(|_| area(&skin, &piece(&skin, &triangles, &mut rng).1) / whole).collect();
         assert!(shares.iter().all(|share| (LEAST..=1.0).contains(share)), "{shares:?}");
         assert!(shares.iter().filter(|&&share| share < 0.5).count() >= 10);
         assert!(shares.iter().filter(|&&share| share > 0.99).count() <= 12, "{shares:?}");

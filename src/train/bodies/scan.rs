@@ -73,10 +73,14 @@ const MISSING: f64 = 0.25;
 impl BodyModel {
     /// The scan of a seed. The same seed is always the same scan, byte for byte. Training uses seeds below 800 000; held-out sets use those from there on.
     pub fn scan(&self, template: &Template, seed: u64, options: &ScanOptions) -> Result<(Scan, Truth), DataError> {
-        let body = self.random_body(template, seed)?;
+        self.scan_of_seed(&self.random_body(template, seed)?.skin, seed, options)
+    }
+
+    /// The scan that is drawn from a seed, of a body given by the vertices of its fine skin (metres).
+    pub fn scan_of_seed(&self, skin: &[DVec3], seed: u64, options: &ScanOptions) -> Result<(Scan, Truth), DataError> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(1);
-        self.scan_of(&body.skin, options, &mut rng)
+        self.scan_of(skin, options, &mut rng)
     }
 
     /// One more scan of a body given by the vertices of its fine skin (metres).
@@ -92,7 +96,7 @@ impl BodyModel {
             self.dress(&mut skin, rng);
         }
         let cut = if options.pieces > 0.0 && happens(rng, options.pieces) {
-            Some(piece(&skin, &self.skin.triangles, rng))
+            Some(piece(&skin, &self.skin.triangles, rng).1)
         } else if happens(rng, options.incomplete) {
             without_piece(&skin, &self.skin.triangles, rng)
         } else {
