@@ -1,6 +1,6 @@
-// What each piece of the method is worth (the paper's Table 3, on our data) → benches/results/ablations.md. Every variant trains for the same time, from
-// nothing, once with each seed, one run per core at a time: `npm run ablate -- --minutes 10`. What an earlier call trained, or measured with the same program, is not done
-// again; `--only-train` leaves measuring to a later call.
+// What each piece of the method is worth (the paper's Table 3, on our data) → benches/results/ablations.md. Every variant trains from nothing, once with
+// each seed, one run per core at a time: for equally many steps, `npm run ablate -- --steps 700`, or for the same time, `-- --minutes 10`, which is fewer steps where other
+// work slows a machine down. What an earlier call trained, or measured with the same program, is not done again; `--only-train` leaves measuring to a later call.
 import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -17,9 +17,9 @@ const SETS = ['held-out', 'faust_r'];
 /** Bodies of the first of them, each the source of two pairs. */
 const HELD_OUT = '36';
 /** The first columns say which row it is. */
-const KEY = ['variant', 'parts', 'minutes', 'bodies', 'pairs', 'seeds'];
+const KEY = ['variant', 'parts', 'budget', 'bodies', 'pairs', 'seeds'];
 const HEAD = [
-  ...[...KEY, 'sources', 'commit'],
+  ...[...KEY, 'sources', 'commit', 'steps'],
   ...SETS.flatMap((set) => ['mesh', 'cloud'].map((mode) => `${set}, ${mode}`)),
   'parts agree',
 ];
@@ -39,7 +39,7 @@ export const VARIANTS = {
   'as it ships': { parts: ['predicted', 'given'] },
   'from labels and places': { teacher: 'data/weights/people.safetensors' },
   'without L_sem': losses({ semantic: 0 }),
-  'with orthogonality': losses({ orthogonality: 1 }),
+  'without orthogonality': losses({ orthogonality: 0 }),
   'without bijectivity': losses({ bijectivity: 0 }),
   'without coupling to the point map': losses({ coupling: 0 }),
   'without cross-entropy of parts': losses({ parts: 0 }),
@@ -79,7 +79,7 @@ function runOf(name, variant, folder, seed) {
 }
 
 /** Trains the variants that are called `names` with every seed, as far as that was not done before. */
-async function trainAll(names, { minutes, bodies, folder, seeds }) {
+async function trainAll(names, { budget, bodies, folder, seeds }) {
   const runs = names.flatMap((name) =>
     seeds.map((seed) => ({ name, seed, variant: VARIANTS[name], ...runOf(name, VARIANTS[name], folder, seed) })),
   );
@@ -97,7 +97,7 @@ async function trainAll(names, { minutes, bodies, folder, seeds }) {
         ...['--data', bodyData(), '--out', out, '--samples', samples, '--bodies', bodies],
         ...[
           '--run',
-          JSON.stringify({ ...(paper ? {} : { maps_from: MAPS_FROM }), ...changes, minutes, name, seed }),
+          JSON.stringify({ ...(paper ? {} : { maps_from: MAPS_FROM }), ...changes, ...budget, name, seed }),
           '--network',
           JSON.stringify(network),
         ],
@@ -118,7 +118,7 @@ async function trainAll(names, { minutes, bodies, folder, seeds }) {
   const work = async () => {
     for (let one = left.shift(); one; one = left.shift()) {
       rmSync(one.out, { recursive: true, force: true });
-      say(`${one.name}: ${minutes} minutes, seed ${one.seed}`);
+      say(`${one.name}: ${told(budget)}, seed ${one.seed}`);
       await start(program, options(one).args, { env: trainerEnvironment() }).catch((failure) => {
         left.length = 0;
         throw failure;
@@ -128,6 +128,12 @@ async function trainAll(names, { minutes, bodies, folder, seeds }) {
   };
   await Promise.all(Array.from({ length: cores }, work));
 }
+
+/** `10 min` or `700 steps`. */
+const told = ({ minutes, steps }) => (steps ? `${steps} steps` : `${minutes} min`);
+
+/** The last step in the log of a run. */
+const stepsOf = (out) => readFileSync(path.join(out, 'log.csv'), 'utf8').trim().split('\n').at(-1).split(',')[0];
 
 /** One measurement of weights. */
 function measure(weights, variant, { dataset, mode, parts, limit }) {
@@ -171,7 +177,7 @@ export function updated(text, rows) {
   const all = [...old.map(cells), ...rows].map((row) => [row.slice(0, KEY.length).join(), row]);
   return `# What each piece is worth
 
-\`npm run ablate\` trains every variant from nothing at the commit named, for so many minutes of the processor on so many bodies (maps are learned from step ${MAPS_FROM} on; the paper's from the first) with each of so many seeds, and measures it with
+\`npm run ablate\` trains every variant from nothing at the commit named, for so many steps or minutes of the processor on so many bodies (maps are learned from step ${MAPS_FROM} on; the paper's from the first) with each of so many seeds, and measures it with
 \`--network-only --refine none\`: no map made without the network takes the place of a bad one, and refinement, which hides much of what tells variants apart, takes no part.
 Mean geodesic errors ×100/√area: the mean over seeds, then that of each seed with the 95 % interval of a bootstrap that draws sources, each with all its pairs. Sources are those of ${SETS.join(' and ')}. Where parts are predicted, "parts agree"
 is the share of true pairs of faust_r clouds whose two points have the same predicted part; no map enters. A network that does not learn parts is given the
@@ -189,6 +195,7 @@ await main(import.meta, async (args) => {
       args,
       options: {
         minutes: { type: 'string' },
+        steps: { type: 'string' },
         bodies: { type: 'string' },
         limit: { type: 'string' },
         seeds: { type: 'string' },
@@ -198,11 +205,13 @@ await main(import.meta, async (args) => {
     }).values;
   } catch (error) {
     throw new Failure(
-      `${error.message}\nOptions: --minutes N for each variant, --bodies N to train on, --limit N pairs of each set, --seeds N to train each variant with, --only NAME of a variant (more than once), --only-train.`,
+      `${error.message}\nOptions: --minutes N or --steps N for each variant, --bodies N to train on, --limit N pairs of each set, --seeds N to train each variant with, --only NAME of a variant (more than once), --only-train.`,
     );
   }
-  const minutes = Number(options.minutes ?? 10);
-  if (!(minutes > 0)) throw new Failure(`--minutes must be a number above 0, and is ${options.minutes}.`);
+  if (options.minutes && options.steps) throw new Failure('Either --minutes or --steps.');
+  const budget = options.steps ? { steps: Number(options.steps) } : { minutes: Number(options.minutes ?? 10) };
+  const [[unit, amount]] = Object.entries(budget);
+  if (!(amount > 0)) throw new Failure(`--${unit} must be a number above 0, and is ${options[unit]}.`);
   const [limit, bodies, seeds] = [options.limit ?? '60', options.bodies ?? '1500', options.seeds ?? '2'];
   if (!/^[1-9]\d*$/.test(seeds)) throw new Failure(`--seeds must be a whole number from 1, and is ${seeds}.`);
   const unknown = options.only?.filter((name) => !(name in VARIANTS)) ?? [];
@@ -211,9 +220,9 @@ await main(import.meta, async (args) => {
   // A page that rows cannot be added to is refused before anything is trained.
   updated(page(), []);
   const names = options.only ?? Object.keys(VARIANTS);
-  const folder = path.join(root, `runs/ablations-${minutes}-${bodies}`);
+  const folder = path.join(root, `runs/ablations-${amount}${options.steps ? '-steps' : ''}-${bodies}`);
   const numbers = Array.from({ length: Number(seeds) }, (_, i) => i + 1);
-  await trainAll(names, { minutes, bodies, folder, seeds: numbers });
+  await trainAll(names, { budget, bodies, folder, seeds: numbers });
   if (options['only-train']) return;
   const held = path.join(root, `runs/held-out-${HELD_OUT}`);
   if (!existsSync(path.join(held, 'pairs.txt')))
@@ -231,7 +240,8 @@ await main(import.meta, async (args) => {
       );
       // Both modes of a set have the same pairs.
       const sources = SETS.map((_, set) => measured[2 * set][0].sources).join(', ');
-      const row = [name, parts, `${minutes}`, bodies, limit, seeds, sources, commits, ...figures(measured)];
+      const steps = trained.map(({ out }) => stepsOf(out)).join(', ');
+      const row = [name, parts, told(budget), bodies, limit, seeds, sources, commits, steps, ...figures(measured)];
       // After every row, so that what was measured is there whenever the run ends.
       mkdirSync(path.dirname(TABLE), { recursive: true });
       writeFileSync(TABLE, updated(page(), [row]));

@@ -71,8 +71,10 @@ export interface ShapeInfo {
   readonly unit: 'm' | 'cm' | 'mm' | null;
   /** Axis a standing body would have upright, given or clearly the longest; null when it is not clear. */
   readonly upAxis: Axis | null;
-  /** √area in the unit of the file: what lengths are divided by. */
+  /** √area of the whole body in the unit of the file: what lengths are divided by. */
   readonly scale: number;
+  /** Share of the body's surface that the scan has; 1 unless a network took it for a piece. */
+  readonly share: number;
   /** How far the scan can be relied on, in (0, 1]: confidence is multiplied by it. It is below 1 where coordinates are coarse or points few, as repairs say. */
   readonly reliability: number;
   readonly laplacian: LaplacianKind;

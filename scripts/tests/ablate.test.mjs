@@ -4,7 +4,18 @@ import { MARKER, VARIANTS, figures, partsOf, updated } from '../ablate.mjs';
 import { Failure } from '../run.mjs';
 
 /** A row with this figure in every column of figures. */
-const row = (variant, bodies, figure) => [variant, 'predicted', '10', bodies, '60', '2', '36, 20', 'abc1234', ...Array(5).fill(figure)];
+const row = (variant, bodies, figure) => [
+  variant,
+  'predicted',
+  '10 min',
+  bodies,
+  '60',
+  '2',
+  '36, 20',
+  'abc1234',
+  '560, 580',
+  ...Array(5).fill(figure),
+];
 const rows = (text) => text.split('\n').filter((line) => /^\| w/.test(line));
 
 test('what was not measured now stays, and so do notes', () => {
@@ -12,7 +23,7 @@ test('what was not measured now stays, and so do notes', () => {
   const noted = `${first}\nA note.\n\n| without c | of another day |\n`;
   const second = updated(noted, [row('without a', '400', '3.00'), row('without a', '1500', '4.00')]);
   assert.deepEqual(
-    rows(second).map((line) => line.split(' | ').filter((_, column) => [0, 3, 8].includes(column))),
+    rows(second).map((line) => line.split(' | ').filter((_, column) => [0, 3, 9].includes(column))),
     [['| without a', '400', '3.00'], ['| without b', '400', '2.00'], ['| without a', '1500', '4.00'], ['| without c']],
   );
   assert.ok(second.endsWith(`${MARKER}\n\nA note.\n\n| without c | of another day |\n`));
