@@ -38,14 +38,12 @@ pub struct PointEmbedding {
     pub features: Array2<f32>,
     /// Probability of each part of the category (p, c).
     pub parts: Array2<f32>,
-    /// √area of the shape over that of the whole body, from networks that say how much of a body there is.
-    pub extent: Option<f32>,
 }
 
 impl PointEmbedding {
     /// Whether all of it are numbers: those of other weights may grow beyond what f32 holds.
     pub(crate) fn is_finite(&self) -> bool {
-        self.features.iter().chain(&self.parts).chain(&self.extent).all(|v| v.is_finite())
+        self.features.iter().chain(&self.parts).all(|v| v.is_finite())
     }
 }
 
@@ -139,21 +137,25 @@ impl<T> TrainedNetwork<T> {
             .then(|| embedding.features.dot(&prior.slice(s![..last, ..])) + prior.slice(s![last.., ..]))
     }
 
-    /// The forward pass for one shape.
-    pub async fn embed<D: Device<Tensor = T>>(&self, device: &D, inputs: &ShapeInputs) -> PointEmbedding {
+    /// The forward pass for one shape; and √area of the shape over that of the whole body, from networks that say how much of a body there is.
+    pub async fn embed<D: Device<Tensor = T>>(
+        &self,
+        device: &D,
+        inputs: &ShapeInputs,
+    ) -> (PointEmbedding, Option<f32>) {
         let embedding = self.network.embed(device, &inputs.upload(device));
         let parts = device.softmax_rows(&embedding.logits);
         let extent = match &embedding.extent {
             Some(extent) => Some(inputs.extent * device.download(extent).await[(0, 0)].exp()),
             None => None,
         };
-        PointEmbedding {
+        let of_points = PointEmbedding {
             weights: self.id.clone(),
             category: self.category.clone(),
             features: device.download(&embedding.features).await,
             parts: device.download(&parts).await,
-            extent,
-        }
+        };
+        (of_points, extent)
     }
 }
 
@@ -177,7 +179,7 @@ mod tests {
         let of = |f: usize, value: f32| {
             let (weights, category) = (network.id().clone(), network.category().clone());
             let features = Array2::from_elem((3, f), value);
-            PointEmbedding { weights, category, features, parts: Array2::zeros((3, 14)), extent: None }
+            PointEmbedding { weights, category, features, parts: Array2::zeros((3, 14)) }
         };
         let f = network.weights().config.features;
         let prior = |value: f32| network.prior(&of(f, value)).expect("a prior");

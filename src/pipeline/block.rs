@@ -220,7 +220,7 @@ impl PreparedShape {
             if parts.ncols() != category.parts.len() {
                 return Err(fail("its parts are others"));
             }
-            embeddings.push(PointEmbedding { weights, category: Arc::new(category), features, parts, extent: None });
+            embeddings.push(PointEmbedding { weights, category: Arc::new(category), features, parts });
         }
         Ok(Self { shape, resampled, info, repairs, basis, support, coarse, surface, features, embeddings })
     }

@@ -44,7 +44,6 @@ mod tests {
             category: network.category().clone(),
             features: Array2::zeros((parts.len(), 1)),
             parts: Array2::from_shape_fn((parts.len(), 14), probability),
-            extent: None,
         };
         (laplacian, embedding)
     }

@@ -14,10 +14,9 @@ use crate::progress::{Cancelled, Progress, Stage};
 /// A shape with this share of a body's surface is taken for a whole one, and no shape for less of it than the other.
 const NEARLY_WHOLE: f64 = 0.85;
 const LEAST: f64 = 0.05;
-/// How often a piece is looked at: as if it were whole, and as what it then turns out to be.
-const LOOKS: usize = 2;
 
-/// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with.
+/// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with. A piece is looked at twice, as if it were whole and as
+/// what it then turns out to be.
 pub(super) async fn ask<D: Device>(
     model: &Model<D>,
     prepared: &mut PreparedShape,
@@ -27,49 +26,55 @@ pub(super) async fn ask<D: Device>(
     progress: &mut Progress<'_>,
 ) -> Result<(), Error> {
     progress.at(Stage::Features, share.start)?;
-    prepared.embeddings.clear();
-    for (index, trained) in model.networks().iter().enumerate() {
-        let config = trained.weights().config.input();
+    let mut seen = Vec::new();
+    for index in 0..model.networks().len() {
         prepared.take_for_piece(1.0);
-        let mut looks = 0;
-        let embedding = loop {
-            let inputs = {
-                // Gradients ask for a graph again, but a listener is not told of a stage twice.
-                let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
-                network_inputs(prepared, carriers, filter, &config, &mut within)
-                    .map_err(|_| Cancelled { stage: Stage::Features })?
-            };
-            progress.at(Stage::Features, share.end)?;
-            let embedding = match embed(model.device(), trained, &inputs).await {
-                Ok(embedding) => embedding,
-                Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
-                Err(interrupted) => {
-                    prepared.info.fallback = interrupted.fallback();
-                    model.on_cpu().networks()[index].embed(&Cpu, &inputs).await
-                }
-            };
-            if !embedding.is_finite() {
-                return Err(Error::NotFinite { what: "what the network says of a scan".to_owned() });
-            }
-            looks += 1;
-            let piece = share_of_body(&embedding);
-            if piece >= 1.0 || looks == LOOKS {
-                break embedding;
-            }
-            // How large the whole body is tells what a limb looks like.
+        let (mut embedding, mut piece) =
+            look(model, index, prepared, carriers, filter, share.clone(), progress).await?;
+        // How large the whole body is tells what a limb looks like.
+        if piece < 1.0 {
             prepared.take_for_piece(piece);
-        };
-        prepared.embeddings.push(embedding);
+            (embedding, piece) = look(model, index, prepared, carriers, filter, share.clone(), progress).await?;
+        }
+        seen.push((embedding, piece));
     }
-    prepared.embeddings.sort_by(|x, y| rank(x).0.cmp(&rank(y).0).then(rank(y).1.total_cmp(&rank(x).1)));
-    prepared.take_for_piece(prepared.embeddings.first().map_or(1.0, share_of_body));
+    seen.sort_by(|(x, _), (y, _)| rank(x).0.cmp(&rank(y).0).then(rank(y).1.total_cmp(&rank(x).1)));
+    prepared.take_for_piece(seen.first().map_or(1.0, |&(_, piece)| piece));
+    prepared.embeddings = seen.into_iter().map(|(embedding, _)| embedding).collect();
     Ok(())
 }
 
-/// The share of the body's surface that a shape has by what a network says; 1 of what is nearly whole.
-fn share_of_body(embedding: &PointEmbedding) -> f64 {
-    let share = embedding.extent.map_or(1.0, |extent| f64::from(extent * extent));
-    if share < NEARLY_WHOLE { share.max(LEAST) } else { 1.0 }
+/// What one of the networks makes of a shape, taken for as much of a body as `prepared` says; and how much of a body it is by what the network says, 1 of what is nearly whole.
+async fn look<D: Device>(
+    model: &Model<D>,
+    index: usize,
+    prepared: &mut PreparedShape,
+    carriers: &Carriers,
+    filter: Option<EdgeFilter<'_>>,
+    share: Range<f64>,
+    progress: &mut Progress<'_>,
+) -> Result<(PointEmbedding, f64), Error> {
+    let trained = &model.networks()[index];
+    let inputs = {
+        // Gradients ask for a graph again, but a listener is not told of a stage twice.
+        let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
+        network_inputs(prepared, carriers, filter, &trained.weights().config.input(), &mut within)
+            .map_err(|_| Cancelled { stage: Stage::Features })?
+    };
+    progress.at(Stage::Features, share.end)?;
+    let (embedding, extent) = match embed(model.device(), trained, &inputs).await {
+        Ok(seen) => seen,
+        Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
+        Err(interrupted) => {
+            prepared.info.fallback = interrupted.fallback();
+            model.on_cpu().networks()[index].embed(&Cpu, &inputs).await
+        }
+    };
+    if !embedding.is_finite() {
+        return Err(Error::NotFinite { what: "what the network says of a scan".to_owned() });
+    }
+    let piece = extent.map_or(1.0, |extent| f64::from(extent * extent));
+    Ok((embedding, if piece < NEARLY_WHOLE { piece.max(LEAST) } else { 1.0 }))
 }
 
 /// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
@@ -89,10 +94,10 @@ async fn embed<D: Device>(
     device: &D,
     trained: &TrainedNetwork<D::Tensor>,
     inputs: &ShapeInputs,
-) -> Result<PointEmbedding, Interrupted> {
-    let embedding = trained.embed(device, inputs).await;
+) -> Result<(PointEmbedding, Option<f32>), Interrupted> {
+    let (embedding, extent) = trained.embed(device, inputs).await;
     still_well(device, Stage::Features)?;
-    if embedding.is_finite() { Ok(embedding) } else { Err(Interrupted::NotFinite(Stage::Features)) }
+    if embedding.is_finite() { Ok((embedding, extent)) } else { Err(Interrupted::NotFinite(Stage::Features)) }
 }
 
 /// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`.

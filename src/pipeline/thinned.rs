@@ -49,7 +49,6 @@ impl PreparedShape {
             category: embedding.category.clone(),
             features: embedding.features.select(Axis(0), &rows),
             parts: embedding.parts.select(Axis(0), &rows),
-            extent: embedding.extent,
         };
         Ok(Cow::Owned(Self {
             shape: self.shape.clone(),
