@@ -22,7 +22,7 @@ pub struct Network<T> {
     norm: Option<LayerNorm<T>>,
     features: Linear<T>,
     parts: Linear<T>,
-    extent: Option<Linear<T>>,
+    extent: Option<ExtentHead<T>>,
     attention: Vec<PartAttention<T>>,
 }
 
@@ -51,7 +51,7 @@ impl<T> Network<T> {
             norm: (config.norm == Norm::Layer).then(|| LayerNorm::new(source, "norm", width)).transpose()?,
             features: Linear::new(source, "features", width, config.features, 1.0)?,
             parts: Linear::new(source, "parts", width, parts, 1.0)?,
-            extent: config.extent.then(|| Linear::new(source, "extent", width, 1, 0.1)).transpose()?,
+            extent: config.extent.then(|| ExtentHead::new(source, width, parts)).transpose()?,
             attention: (0..layers)
                 .map(|i| {
                     let name = if i == 0 { "attention".to_owned() } else { format!("attention{i}") };
@@ -100,11 +100,9 @@ impl<T> Network<T> {
                 Some(encoded) => device.concat(&[(&features, 1.0), (encoded, 1.0)]),
                 None => features,
             };
-            let extent = self.extent.as_ref().map(|head| {
-                let mean = Array2::from_elem((1, shape.count), 1.0 / shape.count as f32);
-                device.matmul(&device.upload(mean.view()), &head.forward(device, &x))
-            });
-            Embedding { features, logits: self.parts.forward(device, &x), extent }
+            let logits = self.parts.forward(device, &x);
+            let extent = self.extent.as_ref().map(|head| head.forward(device, &x, &logits, shape.count));
+            Embedding { features, logits, extent }
         };
         x.into_iter().zip(shapes).map(heads).collect()
     }
@@ -126,5 +124,32 @@ impl<T> Network<T> {
             }));
         }
         [0, 1].map(|side: usize| device.normalize_rows(seen.as_ref().map_or(sides[side].0, |seen| &seen[side])))
+    }
+}
+
+/// Says how much of a body there is by the mean over its points of what they are and of their parts: how large the parts are that are there tells much of it.
+#[derive(Clone, Debug)]
+struct ExtentHead<T> {
+    of_points: Linear<T>,
+    of_shape: Linear<T>,
+}
+
+/// Its width.
+const EXTENT: usize = 32;
+
+impl<T> ExtentHead<T> {
+    fn new(source: &mut impl Source<T>, width: usize, parts: usize) -> Result<Self, WeightsError> {
+        Ok(Self {
+            of_points: Linear::new(source, "extent.points", width + parts, EXTENT, 1.0)?,
+            of_shape: Linear::new(source, "extent.shape", EXTENT, 1, 0.1)?,
+        })
+    }
+
+    /// From channels (n, width) and logits of parts (n, c).
+    fn forward<D: Device<Tensor = T>>(&self, device: &D, x: &T, logits: &T, n: usize) -> T {
+        let points = device.concat(&[(x, 1.0), (&device.softmax_rows(logits), 1.0)]);
+        let points = device.relu(&self.of_points.forward(device, &points));
+        let mean = device.upload(Array2::from_elem((1, n), 1.0 / n as f32).view());
+        self.of_shape.forward(device, &device.matmul(&mean, &points))
     }
 }
