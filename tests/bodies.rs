@@ -87,6 +87,8 @@ fn checksum(values: impl IntoIterator<Item = i64>) -> u64 {
 fn bodies_that_scores_are_measured_on_stay_as_they_are() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("held-out");
     let set = HeldOut { count: 2, seed: 900_001, points: 5000, pieces: true };
+    // Pieces of an earlier run may be of other kinds.
+    let _ = std::fs::remove_dir_all(&folder);
     let names = write_set(&model(), &folder, &set).expect("written");
     let sums = |name: &String| {
         let bytes = std::fs::read(folder.join(format!("shapes/{name}.off"))).expect("there");
@@ -107,6 +109,21 @@ fn bodies_that_scores_are_measured_on_stay_as_they_are() {
     ];
     let found: Vec<[u64; 3]> = names.iter().map(sums).collect();
     assert_eq!(found, known, "{found:x?}");
+
+    // Each body has a piece, to be matched to the other one whole: every point of it is some template point's, and the rest of these have none.
+    let pairs = std::fs::read_to_string(folder.join("pairs.txt")).expect("there");
+    let pairs: Vec<(&str, &str)> = pairs.lines().filter_map(|line| line.split_once(' ')).collect();
+    assert_eq!(pairs.iter().map(|(_, whole)| *whole).collect::<Vec<_>>(), [&names[1], &names[0]]);
+    for ((piece, _), name) in pairs.into_iter().zip(&names) {
+        assert!(piece.starts_with(&**name) && piece != name, "{piece} of {name}");
+        let shape = read(&std::fs::read(folder.join(format!("shapes/{piece}.off"))).expect("there"), None, None);
+        let points = shape.expect("a shape").points().len();
+        let truth = std::fs::read_to_string(folder.join(format!("corres/{piece}.vts"))).expect("there");
+        let truth: Vec<usize> = truth.lines().map(|line| line.parse().expect("a number")).collect();
+        let there = truth.iter().filter(|&&row| row > 0).count();
+        assert!(truth.len() == 5000 && there < 5000 && there > 500 && points < 5000, "{there} of {points}");
+        assert!(truth.iter().all(|&row| row <= points));
+    }
 }
 
 /// Also on mirrored bodies, whose left is the right of the body that places were found on.

@@ -24,7 +24,7 @@ use crate::operators::LaplacianKind;
 /// Vertices of the meshes that are matched to the atlas.
 pub const ATLAS_POINTS: usize = 4000;
 
-/// Share of the scans of pieces and wholes beside each other of which the size of the whole body is known, and how far it is off at most, as a logarithm.
+/// Where there are pieces among the scans: the share of scans whose inputs say how large the whole body is, and the logarithm that this is off by at most.
 const KNOWN_EXTENT: f64 = 0.6;
 const EXTENT_OFF: f64 = 0.15;
 
@@ -198,7 +198,7 @@ impl<'a> Maker<'a> {
             Stand::Random => ScanOptions { points, pieces: self.config.pieces, ..ScanOptions::default() },
             Stand::Alike => ScanOptions { points, mirrored: 0.0, moved: false, ..ScanOptions::default() },
         };
-        // Of the truth nothing but the surface behind each point, to find the place of that surface.
+        // Of the truth nothing but the surface behind each point, to find the place of that surface, and how much of the body is there, which is known of whatever is cut.
         let body = self.body(seed / self.config.scans_of_body.max(1) as u64)?;
         let (scan, behind) = self.model.scan_of_seed(&body.skin, seed, &options).map_err(|error| error.to_string())?;
         let of = |places: &Vec<[f32; 3]>| behind.skin.iter().map(|&v| places[v as usize]).collect();

@@ -85,12 +85,13 @@ fn with_holes(
     let radius = radius * area(skin, triangles).sqrt();
     let mut left = triangles.to_vec();
     for _ in 0..count {
-        let middle = skin[pick(rng, triangles)[0] as usize];
-        let (disc, rest): (Vec<_>, Vec<_>) = left.into_iter().partition(|t| centre(skin, t).distance(middle) < radius);
+        let middle = pick(rng, triangles)[0];
+        let (disc, rest): (Vec<_>, Vec<_>) =
+            left.into_iter().partition(|t| centre(skin, t).distance(skin[middle as usize]) < radius);
         left = rest;
         // What is only near in space, as the other leg is, stays.
-        let near = |t: &[u32; 3]| t.iter().any(|&v| skin[v as usize] == middle);
-        left.extend(pieces(skin.len(), &disc).into_values().filter(|piece| !piece.iter().any(near)).flatten());
+        let around = |t: &[u32; 3]| t.contains(&middle);
+        left.extend(pieces(skin.len(), &disc).into_values().filter(|piece| !piece.iter().any(around)).flatten());
     }
     left
 }

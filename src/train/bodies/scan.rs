@@ -56,7 +56,7 @@ pub struct Scan {
     pub shape: Shape,
 }
 
-/// What only tests and evaluation may see.
+/// What is known of a scan beside its labels. Training takes from it how much of the body is there, and a place for each point where a teacher gave one to the surface behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// Vertex of the fine skin nearest to each point, as the body stands there: on a mirrored body the vertex of the other side.
