@@ -4,7 +4,7 @@
 use candle_core::{Tensor, Var};
 use geose_fmap::device::{Cpu, Device, Mask};
 use geose_fmap::network::Solver;
-use geose_fmap::train::device::{Autodiff, matrix, tensor};
+use geose_fmap::train::device::{Autodiff, cross_entropy_rows, matrix, tensor};
 use geose_fmap::train::losses::{LossWeights, Side, losses, one_hot};
 use ndarray::Array2;
 
@@ -69,6 +69,10 @@ fn ops_have_the_gradients_that_differences_find() {
     check("cross_pairs", &[values(5, 3, 1)], |x| d.cross_pairs(&x[0]));
     check("normalize_rows", &[values(5, 4, 1)], |x| d.normalize_rows(&x[0]));
     check("softmax_rows", &[values(5, 4, 1)], |x| d.softmax_rows(&x[0]));
+    // Rows of shares, and one of nothing.
+    let mut shares = matrix(&d.softmax_rows(&tensor(values(5, 4, 6).view())));
+    shares.row_mut(3).fill(0.0);
+    check("cross_entropy_rows", &[values(5, 4, 1)], |x| cross_entropy_rows(&x[0], &tensor(shares.view())).unwrap());
     check("concat and add", &[values(5, 4, 1), values(5, 4, 2)], |x| {
         d.concat(&[(&d.add(&x[0], &x[1], 0.3), 2.0), (&x[1], 1.0)])
     });
@@ -112,6 +116,7 @@ fn losses_have_the_gradients_that_differences_find() {
         orthogonality: 0.0,
         coupling: 0.0,
         places: 0.0,
+        near_weight: 0.0,
         extent: 0.0,
         semantic: 0.0,
         eigen: 0.0,
@@ -125,6 +130,7 @@ fn losses_have_the_gradients_that_differences_find() {
         ("orthogonality", LossWeights { orthogonality: 1.0, ..none.clone() }),
         ("coupling", LossWeights { coupling: 1.0, ..none.clone() }),
         ("places", LossWeights { places: 1.0, ..none.clone() }),
+        ("places by distance", LossWeights { places: 1.0, near_weight: 0.5, ..none.clone() }),
         ("semantic", LossWeights { semantic: 1.0, ..none.clone() }),
         ("eigen", LossWeights { eigen: 1.0, ..none.clone() }),
         ("features_orthogonal", LossWeights { features_orthogonal: 1.0, ..none }),

@@ -47,10 +47,12 @@ test('a row shows the mean over seeds, what each seed gave, and how sure that is
   assert.equal(figures([[found(2, null, null), found(2, null, null)]]).at(-1), '–');
 });
 
-test('only networks that do not learn parts are given them, and what ships for comparison', () => {
+test('only networks that do not learn parts are given them, and for comparison what ships and attention, which acts through them', () => {
   const given = Object.keys(VARIANTS).filter((name) => partsOf(VARIANTS[name]).includes('given'));
   const ours = given.filter((name) => !VARIANTS[name].paper);
-  assert.deepEqual(ours, ['as it ships', 'without cross-entropy of parts', 'attention kept to given parts', "the paper's losses"]);
+  assert.deepEqual(ours, [
+    ...['as it ships', 'without cross-entropy of parts', 'with attention', 'attention kept to given parts', "the paper's losses"],
+  ]);
   const papers = Object.keys(VARIANTS).filter((name) => VARIANTS[name].paper);
   assert.deepEqual(
     papers.filter((name) => !given.includes(name)),

@@ -10,7 +10,7 @@ mod gpu;
 pub use cpu::Cpu;
 #[cfg(feature = "train")]
 pub(crate) use cpu::{
-    EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows, softmax_within, solve_rows, tanh,
+    EPSILON, SHORTEST, cross_pairs, exp, layer_norm, normalize_rows, softmax_rows, softmax_within, solve_rows, tanh,
 };
 pub(crate) use cpu::{solve_rows_wide, solve_symmetric};
 pub use fallback::Fallback;

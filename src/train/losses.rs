@@ -3,11 +3,11 @@
 //! The paper's three losses stand beside those that work (its own alone do not train: the optimum of L_geo is F = ±Φ, which matches nothing).
 //! [`LossWeights`] says how much each counts.
 
-use candle_core::{D, Result, Tensor};
+use candle_core::{Result, Tensor};
 use ndarray::{Array2, ArrayView2};
 
-use super::device::{Autodiff, tensor};
-use crate::device::Device;
+use super::device::{Autodiff, cross_entropy_rows, tensor};
+use crate::device::{Device, exp};
 use crate::network::Solver;
 
 /// How much each loss counts.
@@ -18,12 +18,14 @@ pub struct LossWeights {
     pub parts: f64,
     /// ‖C_ab C_ba − I‖², both ways round.
     pub bijectivity: f64,
-    /// ‖CᵀC − I‖² of both maps.
+    /// ‖CᵀC − I‖² of both maps. Nothing by default: without it maps came out better in seven of eight comparisons (`benches/results/ablations.md`).
     pub orthogonality: f64,
     /// ‖C − Φ⁺ΠΦ‖² between the functional map and the soft point map.
     pub coupling: f64,
     /// Cross-entropy of the soft point map where samples have places.
     pub places: f64,
+    /// In that, how far off on the atlas a wrong point is counts: it weighs this and its distance in √area. With 0 all wrong points weigh alike.
+    pub near_weight: f64,
     /// Squared error of the logarithm of the extent, of networks that say how much of a body there is.
     pub extent: f64,
     /// L_sem (paper Sec. 3.4.2).
@@ -44,9 +46,10 @@ impl Default for LossWeights {
         Self {
             parts: 1.0,
             bijectivity: 1.0,
-            orthogonality: 1.0,
+            orthogonality: 0.0,
             coupling: 1.0,
             places: 1.0,
+            near_weight: 0.5,
             extent: 2.0,
             semantic: 0.5,
             eigen: 0.0,
@@ -66,6 +69,7 @@ impl LossWeights {
             orthogonality: 0.0,
             coupling: 0.0,
             places: 0.0,
+            near_weight: 0.0,
             extent: 0.0,
             semantic: 0.5,
             eigen: 1.0,
@@ -105,24 +109,32 @@ pub fn losses(weights: &LossWeights, solve: Solver, a: &Side, b: &Side, maps: bo
         terms.push(("parts", weights.parts, both.affine(0.5, 0.0)?));
     }
     let scores = b.features.matmul(&a.features.t()?)?;
-    let soft_maps = |temperature: f64| -> Result<[Tensor; 2]> {
+    // Rows of B against A, and of A against B.
+    let sharp = |temperature: f64| -> Result<[Tensor; 2]> {
         let sharp = scores.affine(1.0 / temperature, 0.0)?;
-        Ok([Autodiff.softmax_rows(&sharp), Autodiff.softmax_rows(&sharp.t()?)])
+        Ok([sharp.clone(), sharp.t()?.contiguous()?])
     };
+    let at_maps = sharp(weights.temperature)?;
+    let soft = |[to_a, to_b]: &[Tensor; 2]| [Autodiff.softmax_rows(to_a), Autodiff.softmax_rows(to_b)];
     let couples = maps && weights.coupling > 0.0;
-    let coupled = couples.then(|| soft_maps(weights.temperature)).transpose()?;
+    let coupled = couples.then(|| soft(&at_maps));
     if weights.semantic > 0.0 {
         let [to_a, to_b] = match &coupled {
             Some(soft) if weights.semantic_temperature == weights.temperature => soft.clone(),
-            _ => soft_maps(weights.semantic_temperature)?,
+            _ if weights.semantic_temperature == weights.temperature => soft(&at_maps),
+            _ => soft(&sharp(weights.semantic_temperature)?),
         };
         let both = (semantic(&to_a, b.labels, a.labels)? + semantic(&to_b, a.labels, b.labels)?)?;
         terms.push(("semantic", weights.semantic, both.affine(0.5, 0.0)?));
     }
     if let (true, Some(on_a), Some(on_b)) = (weights.places > 0.0, a.places, b.places) {
-        let sharp = scores.affine(1.0 / weights.temperature, 0.0)?;
-        let to_a = cross_entropy(&sharp, &tensor(nearby(on_b, on_a).view()))?;
-        let to_b = cross_entropy(&sharp.t()?.contiguous()?, &tensor(nearby(on_a, on_b).view()))?;
+        let (near, far) = nearby(on_b, on_a, weights.near_weight as f32);
+        let [to_a, to_b] = [0, 1].map(|side| {
+            let weighed =
+                if weights.near_weight > 0.0 { (&at_maps[side] + &far[side])? } else { at_maps[side].clone() };
+            cross_entropy(&weighed, &near[side])
+        });
+        let (to_a, to_b) = (to_a?, to_b?);
         terms.push(("places", weights.places, (to_a + to_b)?.affine(0.5, 0.0)?));
     }
     if weights.eigen > 0.0 {
@@ -168,29 +180,35 @@ pub fn functional_maps(a: &Side, b: &Side, solve: Solver) -> Result<[Tensor; 2]>
 
 /// Mean of −Σ y ln p over the rows of `labels`, which are one-hot, shares that sum to 1, or nothing where nothing is known.
 pub fn cross_entropy(logits: &Tensor, labels: &Tensor) -> Result<Tensor> {
-    let most = logits.max_keepdim(D::Minus1)?.detach();
-    let shifted = logits.broadcast_sub(&most)?;
-    let total = shifted.exp()?.sum_keepdim(D::Minus1)?.log()?;
-    let chosen = (shifted * labels)?.sum_keepdim(D::Minus1)?;
-    ((total * labels.sum_keepdim(D::Minus1)?)? - chosen)?.mean_all()
+    cross_entropy_rows(logits, labels)?.mean_all()
 }
 
 /// How wide a place is, in √area: twice as far as places are off on average.
 const BLUR: f32 = 0.03;
 
 /// Where on the atlas row i of `from` and row j of `to` lie near each other: shares of a Gaussian as wide as [`BLUR`], rows summing to 1, or of nothing where
-/// all of `to` is far, as where a piece is missing.
-fn nearby(from: &Array2<f32>, to: &Array2<f32>) -> Array2<f32> {
-    let mut shares = Array2::from_shape_fn((from.nrows(), to.nrows()), |(i, j)| {
-        let apart: f32 = (0..3).map(|axis| (from[(i, axis)] - to[(j, axis)]).powi(2)).sum();
-        (-apart / (2.0 * BLUR * BLUR)).exp()
-    });
-    for mut row in shares.rows_mut() {
-        let sum = row.sum();
-        // One point three widths away.
-        if sum > 0.01 { row /= sum } else { row.fill(0.0) }
+/// all of the other is far, as where a piece is missing. Beside them the logarithms of what each weighs as a wrong answer, its distance and `least`.
+/// Both with a row for each of `from`, and with one for each of `to`.
+fn nearby(from: &Array2<f32>, to: &Array2<f32>, least: f32) -> ([Tensor; 2], [Tensor; 2]) {
+    let to: Vec<[f32; 3]> = to.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
+    let mut apart = Array2::zeros((from.nrows(), to.len()));
+    for (mut row, from) in apart.rows_mut().into_iter().zip(from.rows()) {
+        for (apart, to) in row.iter_mut().zip(&to) {
+            *apart = (0..3).map(|axis| (from[axis] - to[axis]).powi(2)).sum::<f32>();
+        }
     }
-    shares
+    let near = apart.mapv(|apart| exp(-apart / (2.0 * BLUR * BLUR)));
+    let far = if least > 0.0 { apart.mapv(|apart| (apart.sqrt() + least).ln()) } else { Array2::zeros((0, 0)) };
+    let shares = |of: ArrayView2<f32>| {
+        let mut shares = of.as_standard_layout().into_owned();
+        for mut row in shares.rows_mut() {
+            let sum = row.sum();
+            // One point three widths away.
+            if sum > 0.01 { row /= sum } else { row.fill(0.0) }
+        }
+        tensor(shares.view())
+    };
+    ([shares(near.view()), shares(near.t())], [tensor(far.view()), tensor(far.t())])
 }
 
 /// L_sem: how much of each row's soft match goes to points of other parts. `soft` (n, m) has a row per point that is matched; the paper's C is this with
@@ -252,7 +270,21 @@ pub fn part_accuracy(logits: ArrayView2<f32>, labels: &[u32]) -> f64 {
 mod tests {
     use ndarray::Array2;
 
-    use super::{Side, eigen, features_orthogonal, tensor};
+    use super::{Side, eigen, features_orthogonal, nearby, tensor};
+    use crate::train::device::matrix;
+
+    #[test]
+    fn a_wrong_point_weighs_by_how_far_off_it_is() {
+        let on_a_line =
+            |at: &[f32]| Array2::from_shape_fn((at.len(), 3), |(i, axis)| if axis == 0 { at[i] } else { 0.0 });
+        let (near, far) = nearby(&on_a_line(&[0.0, 0.3]), &on_a_line(&[0.0, 0.3, 1.5]), 0.5);
+        let [near, far] = [near, far].map(|both| both.map(|of| matrix(&of)));
+        // Nobody is at 1.5.
+        assert!((near[0][(0, 0)] - 1.0).abs() < 1e-6 && near[1].row(2).sum() == 0.0);
+        let weights = far[0].row(0).mapv(f32::exp);
+        assert!(weights.iter().zip([0.5, 0.8, 2.0]).all(|(w, right)| (w - right).abs() < 1e-6), "{weights}");
+        assert_eq!(far[0].t(), far[1]);
+    }
 
     #[test]
     fn features_of_unit_length_can_be_eigenfunctions() {

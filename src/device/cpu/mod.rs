@@ -14,7 +14,7 @@ use super::{Device, Mask};
 #[cfg(feature = "train")]
 pub(crate) use attention::softmax_within;
 #[cfg(feature = "train")]
-pub(crate) use pointwise::tanh;
+pub(crate) use pointwise::{exp, tanh};
 #[cfg(feature = "train")]
 pub(crate) use rows::{EPSILON, SHORTEST, cross_pairs, layer_norm, normalize_rows, softmax_rows};
 #[cfg(feature = "train")]

@@ -21,7 +21,7 @@ pub(crate) fn tanh(x: ArrayView2<f32>) -> Array2<f32> {
 
 /// eˣ for −87 ≤ x ≤ 88 by 2ⁿ·2ᶠ, relative error below 2e-7; smaller x give 0 to f32's least normal number.
 #[inline(always)]
-pub(super) fn exp(x: f32) -> f32 {
+pub(crate) fn exp(x: f32) -> f32 {
     let scaled = x.clamp(-87.0, 88.0) * std::f32::consts::LOG2_E;
     let whole = (scaled + 0.5).floor();
     // ln 2 in two parts: the first has few enough bits that n·ln 2 is exact.

@@ -8,7 +8,7 @@ use candle_core::Tensor;
 use ndarray::{Array2, ArrayView2};
 
 use crate::device::{Cpu, Device, Mask};
-use ops::{CrossPairs, NormalRows, SoftmaxRows, SoftmaxWithin, SolveRows, Tanh, UnitRows};
+use ops::{CrossEntropyRows, CrossPairs, NormalRows, SoftmaxRows, SoftmaxWithin, SolveRows, Tanh, UnitRows};
 
 /// The device that trains.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,6 +30,11 @@ pub fn matrix(tensor: &Tensor) -> Array2<f32> {
     let (rows, cols) = tensor.dims2().expect("tensors here are matrices");
     let values = tensor.flatten_all().and_then(|flat| flat.to_vec1()).expect("f32 on the CPU");
     Array2::from_shape_vec((rows, cols), values).expect("as many values as the shape says")
+}
+
+/// −Σ y ln p (n, 1) of the rows of `logits` (n, c), p being their softmax and y those of `labels`.
+pub fn cross_entropy_rows(logits: &Tensor, labels: &Tensor) -> candle_core::Result<Tensor> {
+    logits.contiguous()?.apply_op2(&labels.contiguous()?, CrossEntropyRows)
 }
 
 impl Device for Autodiff {

@@ -194,6 +194,53 @@ fn softmax_backward(y: &Tensor, grad: &Tensor) -> candle_core::Result<Option<Ten
     })
 }
 
+/// −Σ y ln p of each row, p being the softmax of the logits. The labels y are not learned.
+pub(super) struct CrossEntropyRows;
+
+impl CustomOp2 for CrossEntropyRows {
+    fn name(&self) -> &'static str {
+        "cross-entropy"
+    }
+
+    fn cpu_fwd(
+        &self,
+        logits: &CpuStorage,
+        ll: &Layout,
+        labels: &CpuStorage,
+        ly: &Layout,
+    ) -> candle_core::Result<(CpuStorage, Shape)> {
+        let (logits, labels) = (view(logits, ll)?, view(labels, ly)?);
+        let rows = logits.rows().into_iter().zip(labels.rows());
+        let losses: Vec<f32> = rows
+            .map(|(x, y)| {
+                let most = x.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                let total: f32 = x.iter().map(|v| crate::device::exp(v - most)).sum();
+                (total.ln() + most) * y.sum() - x.dot(&y)
+            })
+            .collect();
+        let shape = Shape::from((losses.len(), 1));
+        Ok((CpuStorage::F32(losses), shape))
+    }
+
+    fn bwd(
+        &self,
+        logits: &Tensor,
+        labels: &Tensor,
+        _: &Tensor,
+        grad: &Tensor,
+    ) -> candle_core::Result<(Option<Tensor>, Option<Tensor>)> {
+        let direction = plain(logits, labels, |x, y| {
+            let mut out = crate::device::softmax_rows(x);
+            for (mut row, y) in out.rows_mut().into_iter().zip(y.rows()) {
+                let sum = y.sum();
+                row.zip_mut_with(&y, |p, y| *p = *p * sum - y);
+            }
+            out
+        })?;
+        Ok((direction.map(|direction| direction.broadcast_mul(grad)).transpose()?, None))
+    }
+}
+
 /// Cross products of all pairs of rows.
 pub(super) struct CrossPairs;
 
