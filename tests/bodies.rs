@@ -13,6 +13,7 @@ use geose_fmap::train::bodies::parts::PARTS;
 use geose_fmap::train::bodies::pose::{Arm, Pose};
 use geose_fmap::train::bodies::scan::ScanOptions;
 use geose_fmap::train::bodies::shape_mixture::Person;
+use geose_fmap::train::bodies::style::Style;
 use geose_fmap::train::pool::{ATLAS_POINTS, Maker, Pool};
 use geose_fmap::train::sample_config::SampleConfig;
 use geose_fmap::{PrepareOptions, Progress, read};
@@ -152,6 +153,35 @@ fn places_lie_in_the_part_that_labels_say() {
         let share = same.count() as f64 / sample.labels.len() as f64;
         assert!(share > 0.95, "{seed}: {share}");
     }
+}
+
+#[test]
+#[ignore = "needs the body data: set GEOSE_BODY_DATA and pass --include-ignored"]
+fn a_drawn_character_is_a_person_with_other_proportions() {
+    let model = model();
+    let neutral = model.body(&Person::default(), &Pose::default()).expect("a body");
+    let style = Style { head: 2.0, hands: 1.5, feet: 1.25, legs: 0.6 };
+    let styled = model.body(&Person { style, ..Person::default() }, &Pose::default()).expect("a body");
+    // Where bones meet the skin takes a bit of both.
+    let grown = |part: &str, axis: usize| {
+        let of = |skin: &[glam::DVec3]| {
+            let at = skin.iter().zip(&model.labels).filter(|(_, l)| PARTS[**l as usize] == part).map(|(p, _)| p[axis]);
+            at.clone().fold(f64::MIN, f64::max) - at.fold(f64::MAX, f64::min)
+        };
+        of(&styled) / of(&neutral)
+    };
+    for (part, axis, right) in [("head", 0, 2.0), ("left foot", 0, 1.25), ("left shank", 1, 0.6), ("torso", 1, 1.0)] {
+        assert!((grown(part, axis) - right).abs() < 0.1 * right, "{part}: {}", grown(part, axis));
+    }
+    // One seed in five, and everybody else as ever.
+    let drawn = (0..500).filter(|&seed| Style::of_seed(seed, 0.2) != Style::default()).count();
+    assert!((70..130).contains(&drawn), "{drawn}");
+
+    let template = model.template(5000).expect("body data");
+    let config = SampleConfig { stylised: 1.0, ..SampleConfig::of(&ModelConfig::shipped(), 900) };
+    let plain = SampleConfig { stylised: 0.0, ..config.clone() };
+    let sample = |config: &SampleConfig| Maker::new(&model, &template, None, config).sample(3).expect("a sample");
+    assert_ne!(sample(&config).inputs.phi, sample(&plain).inputs.phi);
 }
 
 #[test]

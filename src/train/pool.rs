@@ -15,6 +15,8 @@ use rand_chacha::ChaCha8Rng;
 use super::atlas::Atlas;
 use super::bodies::held_out::HELD_OUT_SEEDS;
 use super::bodies::scan::ScanOptions;
+use super::bodies::shape_mixture::Person;
+use super::bodies::style::Style;
 use super::bodies::{BodyModel, Template};
 use super::sample::Sample;
 use super::sample_config::{SampleConfig, Stand};
@@ -225,9 +227,19 @@ impl<'a> Maker<'a> {
         if let Some(body) = self.bodies.lock().ok().and_then(|bodies| known(&bodies)) {
             return Ok(body);
         }
-        let skin = self.model.random_body(self.template, seed).map_err(|error| error.to_string())?.skin;
+        let style = Style::of_seed(seed, self.config.stylised);
+        let drawn = self.model.styled_body(self.template, seed, style).map_err(|error| error.to_string())?;
+        let skin = drawn.skin;
+        // What the teacher knows are people: a stylised body lies where the person does whom it was made from.
+        let person = Person { style: Style::default(), ..drawn.person };
+        let unstyled = (style != Style::default()).then(|| -> Result<Vec<DVec3>, String> {
+            let rest = self.model.rest(&person).map_err(|error| error.to_string())?;
+            Ok(self.model.posed(&rest, &drawn.turns).skin)
+        });
+        let people = unstyled.transpose()?;
         let placed = |atlas: &Atlas| -> Result<Vec<[f32; 3]>, String> {
-            let (mesh, cell) = self.model.clean_scan(&skin, ATLAS_POINTS).map_err(|error| error.to_string())?;
+            let people = people.as_ref().unwrap_or(&skin);
+            let (mesh, cell) = self.model.clean_scan(people, ATLAS_POINTS).map_err(|error| error.to_string())?;
             let places = atlas.places(mesh).map_err(|error| error.to_string())?;
             Ok(cell.iter().map(|&v| places[v as usize]).collect())
         };

@@ -27,6 +27,9 @@ pub struct SampleConfig {
     /// Share of pieces among generated scans.
     #[serde(default)]
     pub pieces: f64,
+    /// Share of bodies with the proportions of drawn characters.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub stylised: f64,
     /// How many scans, one after the other, are of one generated body: making it and placing its points takes longer than scanning it.
     #[serde(default = "one")]
     pub scans_of_body: usize,
@@ -38,6 +41,10 @@ pub struct SampleConfig {
     /// The scans that samples are of, where the generator makes none.
     #[serde(default)]
     pub scans: Option<Scans>,
+}
+
+fn is_none(share: &f64) -> bool {
+    *share == 0.0
 }
 
 fn quarter() -> f64 {
@@ -78,6 +85,7 @@ impl SampleConfig {
             input: network.input(),
             stand: Stand::Random,
             pieces: 0.0,
+            stylised: 0.0,
             scans_of_body: one(),
             laplacian: None,
             teacher: None,

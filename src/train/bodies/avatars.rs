@@ -17,6 +17,7 @@ use super::random::PoseSource;
 use super::samples::SampleError;
 use super::scan::even_mesh;
 use super::shape_mixture::Person;
+use super::style::Style;
 use super::{BodyModel, Template};
 
 /// Points of the template that the truth is given at, and vertices of a bare body.
@@ -57,7 +58,7 @@ impl BodyModel {
         if happens(rng, GENTLE) {
             return self.gentle_body(template, rng);
         }
-        let body = self.draw_body(template, PoseSource::Free, rng)?;
+        let body = self.draw_body(template, PoseSource::Free, Style::default(), rng)?;
         Ok((body.person, body.skin))
     }
 

@@ -15,6 +15,7 @@ use super::pieces::piece;
 use super::random::PoseSource;
 use super::samples::SampleError;
 use super::scan::even_mesh;
+use super::style::Style;
 use super::write::write_off;
 use super::{BodyModel, Template};
 
@@ -53,7 +54,7 @@ pub fn write_set(model: &BodyModel, out: &Path, set: &HeldOut) -> Result<Vec<Str
     for (i, name) in names.iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(set.seed + i as u64);
         let source = if i % IN_CONTACT == 0 { PoseSource::Gesture } else { PoseSource::Free };
-        let body = model.draw_body(&template, source, &mut rng)?;
+        let body = model.draw_body(&template, source, Style::default(), &mut rng)?;
         let mesh = even_mesh(&body.skin, &model.skin.triangles, set.points, &mut rng);
         let places: Vec<DVec3> = mesh.vertices.iter().map(|&v| body.skin[v as usize]).collect();
         let mut off = Vec::new();

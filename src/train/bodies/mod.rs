@@ -41,6 +41,7 @@ pub mod simplify;
 pub mod skeleton;
 pub mod skinning;
 pub mod skirt;
+pub mod style;
 pub mod surface;
 pub mod things;
 pub mod touch;
@@ -152,7 +153,9 @@ impl BodyModel {
     /// A person before any pose.
     pub fn rest(&self, person: &Person) -> Result<Rest, DataError> {
         let shape = person.shape(&self.data)?;
-        Ok(Rest { skeleton: Skeleton::of_shape(&self.data.bones, &shape), shape })
+        let mut rest = Rest { skeleton: Skeleton::of_shape(&self.data.bones, &shape), shape };
+        person.style.applied(&mut rest, &self.data.weights);
+        Ok(rest)
     }
 
     /// A person with every bone turned as [`Skeleton::motions`] says.

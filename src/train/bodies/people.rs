@@ -4,6 +4,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::chance::{happens, normal, pick, uniform};
 use super::shape_mixture::Person;
+use super::style::Style;
 
 /// Spread of the sliders drawn as normals about their middle; one in fourteen ends at a limit.
 const SPREAD: f64 = 0.28;
@@ -93,7 +94,7 @@ impl Person {
         let (proportions, cup) = (uniform(rng, 0.0..1.0), uniform(rng, 0.0..1.0));
         let count = (uniform(rng, 0.0..1.0) * (DETAILS + 1) as f64) as usize;
         let details = (0..count).flat_map(|_| detail(rng)).collect();
-        Self { sex, age, muscle, weight, height, proportions, cup, ancestry, details }
+        Self { sex, age, muscle, weight, height, proportions, cup, ancestry, details, style: Style::default() }
     }
 }
 

@@ -11,6 +11,7 @@ use super::pose::{Arm, Pose};
 use super::press::press;
 use super::reach::Contact;
 use super::shape_mixture::Person;
+use super::style::Style;
 use super::touch::{Gesture, Limb, Place, Skin};
 use super::{BodyModel, METRES, Rest, Template};
 
@@ -60,6 +61,11 @@ pub struct RandomBody {
 impl BodyModel {
     /// The body of a seed: three in ten touch themselves on purpose. The same seed is always the same body.
     pub fn random_body(&self, template: &Template, seed: u64) -> Result<RandomBody, DataError> {
+        self.styled_body(template, seed, Style::default())
+    }
+
+    /// The body of a seed with proportions of one's own.
+    pub fn styled_body(&self, template: &Template, seed: u64, style: Style) -> Result<RandomBody, DataError> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let in_contact = happens(&mut rng, IN_CONTACT);
         // Another stream than the body's and the scan's.
@@ -70,7 +76,7 @@ impl BodyModel {
             (_, true) => PoseSource::Motion,
             _ => PoseSource::Free,
         };
-        self.draw_body(template, source, &mut rng)
+        self.draw_body(template, source, style, &mut rng)
     }
 
     /// A body whose pose comes from `source`.
@@ -78,6 +84,7 @@ impl BodyModel {
         &self,
         template: &Template,
         source: PoseSource,
+        style: Style,
         rng: &mut ChaCha8Rng,
     ) -> Result<RandomBody, DataError> {
         let mut tries = 0;
@@ -87,7 +94,7 @@ impl BodyModel {
             if source == PoseSource::Gesture && people % PEOPLE == 0 {
                 gesture = Some(Gesture::random(rng));
             }
-            let person = Person::random(rng);
+            let person = Person { style, ..Person::random(rng) };
             let rest = self.rest(&person)?;
             for _ in 0..POSES {
                 tries += 1;

@@ -129,7 +129,7 @@ fn woman() -> Person {
         proportions: 0.75,
         cup: 0.45,
         ancestry: [0.4, 0.3, 0.3],
-        details: Vec::new(),
+        ..Person::default()
     }
 }
 
@@ -143,7 +143,7 @@ fn man() -> Person {
         proportions: 0.55,
         cup: 0.5,
         ancestry: [0.15, 0.25, 0.6],
-        details: Vec::new(),
+        ..Person::default()
     }
 }
 

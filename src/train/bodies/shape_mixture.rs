@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 use super::data::{BodyData, DataError};
+use super::style::Style;
 
 /// Who it is. Every number is a slider in [0, 1]; ½ is the middle of the population.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +30,8 @@ pub struct Person {
     pub ancestry: [f64; 3],
     /// Detail targets (`nose/nose-volume-incr`) and their weights.
     pub details: Vec<(String, f64)>,
+    /// Proportions that no person has.
+    pub style: Style,
 }
 
 impl Default for Person {
@@ -44,6 +47,7 @@ impl Default for Person {
             cup: half,
             ancestry: [1.0 / 3.0; 3],
             details: Vec::new(),
+            style: Style::default(),
         }
     }
 }
