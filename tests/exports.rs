@@ -129,9 +129,9 @@ fn json_has_the_fields_of_the_page_and_says_what_csv_says() {
     assert_eq!(keys(&json["a"]), set(&["name", "points", "kind", "prepared", "repairs"]));
     assert_eq!(
         keys(&json["match"]),
-        set(&["refine", "parts", "landmarks", "device", "weights", "category", "warnings"])
+        set(&["refine", "parts", "landmarks", "device", "weights", "category", "scale", "warnings"])
     );
-    assert_eq!(keys(&json["map"][0]), set(&["source", "target", "confidence"]));
+    assert_eq!(keys(&json["map"][0]), set(&["source", "target", "confidence", "overlap"]));
     assert_eq!((&json["a"]["name"], &json["b"]["kind"]), (&"a.off".into(), &"mesh".into()));
     assert_eq!((&json["a"]["points"], &json["a"]["prepared"]["eigenpairs"]), (&602.into(), &20.into()));
     assert_eq!((&json["match"]["device"], &json["match"]["refine"]), (&"cpu".into(), &"best".into()));

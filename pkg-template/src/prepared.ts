@@ -37,6 +37,11 @@ export class PreparedShape {
     return (this.#parts ??= partsOf(block));
   }
 
+  /** Of a piece, how much of a body it is and of which parts: `47 % of a body: head, torso, left arm`; null of a whole body. */
+  get extent(): string | null {
+    return this.#open().json<string | null>('extent');
+  }
+
   /** Uploaded points that stay without a partner in any match, ascending: what was set aside and strays, if they are far from the body. */
   get unmatched(): Uint32Array<ArrayBuffer> {
     const { points } = this.info;

@@ -181,6 +181,8 @@ export interface DirectedMap {
   targetOf: Uint32Array<ArrayBuffer>;
   /** One per point of the first shape: the probability that its point is within 5 % of √area of the right one, a hand’s width on a person; 0 where unmatched. */
   confidence: Float32Array<ArrayBuffer>;
+  /** One per point of the first shape: the probability that it has a partner at all; below ½ it is left unmatched. 1 where the second is a whole body; 0 of points set aside. */
+  overlap: Float32Array<ArrayBuffer>;
   /** Functions on the first shape → functions on the second. */
   functionalMap: FunctionalMap;
 }
@@ -203,6 +205,11 @@ export interface MatchReport {
   category: string | null;
   /** The weights of the network that took part; null when none did. */
   weights: { name: string; version: string } | null;
+  /**
+   * How large the body of a is beside that of b: √area of one whole body over that of the other, each in the unit of its file. Found by `'areas'` where both are whole; for a
+   * piece of a body by how much of it the `'network'` takes it for, or by that and then by the lengths that the `'match'` keeps.
+   */
+  scale: { ratio: number; found: 'areas' | 'network' | 'match' };
 }
 
 /** The map from a to b, the map back, and how they came about. */

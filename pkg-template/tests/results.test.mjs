@@ -34,6 +34,8 @@ describe('what a matcher hands out', () => {
       assert.ok(map.confidence instanceof Float32Array);
       assert.equal(map.targetOf.length, points(from));
       assert.equal(map.confidence.length, points(from));
+      // Whole shapes have partners everywhere.
+      assert.deepEqual(map.overlap, new Float32Array(points(from)).fill(1));
       map.targetOf.forEach((target, i) => {
         assert.ok(target < points(to) || target === UNMATCHED, `target ${target} of ${i}`);
         assert.ok(map.confidence[i] >= 0 && map.confidence[i] <= 1, `confidence ${map.confidence[i]} of ${i}`);
@@ -54,6 +56,8 @@ describe('what a matcher hands out', () => {
     assert.deepEqual(report.pointsUsed, [points(A), points(B)]);
     assert.ok(report.peakMemoryBytes > 0);
     assert.deepEqual(report.gpu, { dispatches: 0, uploads: 0, downloads: 0 });
+    assert.equal(report.scale.found, 'areas');
+    assert.ok(Math.abs(report.scale.ratio * b.info.scale - a.info.scale) < 1e-9 * a.info.scale);
     assert.ok(Array.isArray(report.warnings));
     for (const { code } of report.warnings) assert.notEqual(code, 'no-network');
     // These shapes are no people: the report is unsure, and the network's weights took no part.

@@ -10,7 +10,7 @@ use super::colour::correspondence_colours;
 use crate::maps::UNMATCHED;
 use crate::network::WeightsId;
 use crate::pipeline::{DeviceKind, ShapeKind};
-use crate::pipeline::{Match, MatchOptions, PrepareOptions, PreparedShape, Warning};
+use crate::pipeline::{Match, MatchOptions, PrepareOptions, PreparedShape, Scale, Warning};
 use crate::shape::Repair;
 use crate::write::{Body, LinearRgb, glb, ply};
 
@@ -158,6 +158,7 @@ struct How<'a> {
     device: DeviceKind,
     weights: Option<Named<'a>>,
     category: Option<&'a str>,
+    scale: Scale,
     warnings: &'a [Warning],
 }
 
@@ -178,12 +179,14 @@ struct Line {
     source: usize,
     target: Option<u32>,
     confidence: f32,
+    overlap: f32,
 }
 
 fn json(Outcome { a, b, preparing, options, matched }: &Outcome) -> Result<Vec<u8>, Failure> {
-    let pairs = matched.a_to_b.target.iter().zip(&matched.a_to_b.confidence);
-    let line = |(source, (&target, &confidence)): (usize, (&u32, &f32))| Line {
+    let pairs = matched.a_to_b.target.iter().zip(&matched.a_to_b.confidence).zip(&matched.overlap[0]);
+    let line = |(source, ((&target, &confidence), &overlap)): (usize, ((&u32, &f32), &f32))| Line {
         source,
+        overlap,
         target: Some(target).filter(|&target| target != UNMATCHED),
         confidence,
     };
@@ -195,6 +198,7 @@ fn json(Outcome { a, b, preparing, options, matched }: &Outcome) -> Result<Vec<u
             device: matched.device,
             weights: matched.weights.as_ref().map(Named::of),
             category: matched.category.as_deref(),
+            scale: matched.scale,
             warnings: &matched.warnings,
         },
         map: pairs.enumerate().map(line).collect(),

@@ -65,6 +65,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     for (scan, prepared) in [("A", &a), ("B", &b)] {
         eprintln!("scan {scan} prepared: {:.3} s", prepared.info.seconds.values().sum::<f64>());
+        if let Some(extent) = prepared.extent() {
+            eprintln!("scan {scan} is a piece: {extent}");
+        }
     }
     for stage in [Stage::FunctionalMap, Stage::Refine, Stage::Correspondence].map(Stage::name) {
         eprintln!("{stage}: {:.3} s", matched.seconds.get(stage).copied().unwrap_or_default());

@@ -9,5 +9,7 @@ pub(crate) use calibration::confidence;
 #[cfg(feature = "train")]
 pub(crate) use calibration::{Fit, Situation, fit_of_faults, probability};
 pub(crate) use cues::Cues;
-pub use distortion::{strain, stretch};
-pub(crate) use overlap::alone;
+#[cfg(feature = "train")]
+pub(crate) use cues::GENERAL;
+pub use distortion::{relative_scale, strain, stretch};
+pub(crate) use overlap::overlap;

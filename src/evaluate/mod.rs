@@ -246,6 +246,8 @@ struct Measured {
     flipped_points: Option<f64>,
     /// Where a template point is not on one of the two.
     overlap: Option<Overlap>,
+    /// The factor by which the ratio of scales is off, where the set tells it.
+    scale_off: Option<f64>,
     /// One per line; none of an oracle, which has no doubts.
     judged: Vec<Judged>,
     seconds: f64,
@@ -255,17 +257,18 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
     let Trial { names: [source, target], shapes: [a, b], truth, ruler, labels } = *trial;
     let failed = |e: Error| EvaluationError::method(format!("{source} {target}"), e);
     let clock = Instant::now();
-    let (found, confidence, raw) = if task.oracle {
+    let (found, confidence, raw, scale) = if task.oracle {
         let found = oracle::oracle(at_every_point(a).view(), at_every_point(b).view(), &truth.lines);
         let stuck = |_| format!("{source} {target}: the least squares of the oracle do not converge");
-        (found.map_err(|e| EvaluationError::NotMeasurable(stuck(e)))?, None, None)
+        (found.map_err(|e| EvaluationError::NotMeasurable(stuck(e)))?, None, None, None)
     } else {
         let &Task { refine, network_only, .. } = task;
         let (parts, raw) = (task.parts(), refine != Refinement::None);
         let options = MatchOptions { parts, refine, raw, network_only, ..Default::default() };
         let mut progress = Progress::silent();
         let matched = pollster::block_on(match_with(model, a, b, &options, &mut progress)).map_err(failed)?;
-        (matched.a_to_b.target, Some(matched.a_to_b.confidence), matched.raw.map(|raw| raw.target))
+        let raw = matched.raw.map(|raw| raw.target);
+        (matched.a_to_b.target, Some(matched.a_to_b.confidence), raw, Some(matched.scale.ratio))
     };
     let seconds = clock.elapsed().as_secs_f64();
     let [errors, before] = ruler.errors(truth, [&found, raw.as_ref().unwrap_or(&found)]);
@@ -295,6 +298,7 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
             .then(|| part_agreement(a, b, &truth.lines))
             .flatten(),
         flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
+        scale_off: scale.zip(truth.scale).map(|(found, right)| (found / right).ln().abs().exp()),
         overlap: truth.paired.as_ref().map(|points| Overlap::of(points, &found)),
         judged,
         seconds,
@@ -346,6 +350,7 @@ fn summary(
     let judged: Vec<Judged> = measured.iter().flat_map(|m| m.judged.iter().copied()).collect();
     let sources: BTreeSet<&str> = measured.iter().map(|m| m.result.source.as_str()).collect();
     let overlaps: Vec<Overlap> = measured.iter().filter_map(|m| m.overlap).collect();
+    let scale_within_10 = mean(measured.iter().filter_map(|m| m.scale_off).map(|off| f64::from(u8::from(off <= 1.1))));
     Evaluation {
         set: set.name(),
         mode: task.mode,
@@ -362,7 +367,7 @@ fn summary(
         accuracy: accuracy.collect(),
         flips: (!flipped.is_empty()).then(|| flipped.iter().filter(|&&flipped| flipped).count()),
         flipped_points: mean(measured.iter().filter_map(|m| m.flipped_points)),
-        pieces: (!overlaps.is_empty()).then(|| Pieces { overlap: Overlap::mean(&overlaps), scale_within_10: None }),
+        pieces: (!overlaps.is_empty()).then(|| Pieces { overlap: Overlap::mean(&overlaps), scale_within_10 }),
         part_miou: mean(ious.into_iter()),
         given_parts: given_parts(measured.iter().filter_map(|m| m.result.given_parts)),
         part_agreement: mean(measured.iter().filter_map(|m| m.part_agreement)),

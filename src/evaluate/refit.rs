@@ -8,7 +8,7 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::confidence::{Fit, Situation, fit_of_faults, probability};
+use crate::confidence::{Fit, GENERAL, Situation, fit_of_faults, probability};
 use crate::network::{Model, PRIOR, SITUATIONS, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
@@ -57,7 +57,7 @@ pub fn refit(
     model: &Model,
     log: &(dyn Fn(&str) + Sync),
 ) -> Result<(String, Weights), EvaluationError> {
-    let mut points: BTreeMap<Situation, Points> = BTreeMap::new();
+    let (mut points, mut partners): (BTreeMap<Situation, Points>, BTreeMap<Situation, Points>) = Default::default();
     for mode in [Mode::Mesh, Mode::Cloud, Mode::MeshCloud] {
         let task = Task {
             dataset: dataset.to_owned(),
@@ -103,12 +103,22 @@ pub fn refit(
                     points.features.extend(features.iter().flat_map(|features| features.row(row)));
                     points.right.push(right);
                 }
-                found.push((situation, points));
+                let mut partners = Points { others: GENERAL, ..Points::default() };
+                for &(i, has) in trial.truth.paired.iter().flatten().filter(|_| b.info.share < 1.0) {
+                    let row = cues.table.row(a.support.row_of(i as usize));
+                    partners.cues.extend(row.iter().take(GENERAL).map(|&cue| cue as f32));
+                    partners.right.push(has);
+                }
+                found.push((situation, points, partners));
             }
             Ok(found)
         })?;
-        for (situation, more) in found.into_iter().flatten() {
-            points.entry(situation).or_default().join(more);
+        for (situation, of_points, of_partners) in found.into_iter().flatten() {
+            points.entry(situation).or_default().join(of_points);
+            // Whether the network took part says nothing about what these signs mean.
+            if !of_partners.right.is_empty() {
+                partners.entry(Situation { learned: true, ..situation }).or_default().join(of_partners);
+            }
         }
     }
     let points = all_situations(points, dataset)?;
@@ -157,7 +167,16 @@ pub fn refit(
         let prior = |i: usize| situation.learned.then(|| priors(situation, points, i));
         lines(*situation, points, coefficients, prior)
     });
-    let text = text.collect();
+    let mut text: String = text.collect();
+    if !partners.is_empty() {
+        text += "// Whether points have a partner, for src/confidence/overlap.rs:\n";
+    }
+    for (&situation, points) in &partners {
+        let found = fit_of_faults(&points.right, GENERAL, |i, row| {
+            row.iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
+        });
+        text += &lines(situation, points, &converged(situation, found)?, |_| None);
+    }
     let mut weights = weights.clone().with(PRIOR, prior.clone());
     let rounded = |coefficients: &Vec<f64>| coefficients.iter().map(|c| (100.0 * c).round() / 100.0).collect();
     weights.category.confidence = vec![Vec::new(); SITUATIONS];

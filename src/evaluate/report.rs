@@ -72,7 +72,7 @@ pub struct Evaluation {
 pub struct Pieces {
     /// Whether matches tell which points have a partner.
     pub overlap: Overlap,
-    /// The share of pairs whose ratio of scales is found to within 10 %. `None`: matching takes both shapes to be whole and does not look for it.
+    /// The share of pairs whose ratio of scales is found to within 10 %, of those whose set tells it: by the faces of A that are on both.
     pub scale_within_10: Option<f64>,
 }
 

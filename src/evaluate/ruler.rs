@@ -162,7 +162,7 @@ mod tests {
     }
 
     fn truth(lines: &[(u32, u32)]) -> Truth {
-        Truth { lines: lines.to_vec(), mirrored: None, vertex_of: None, paired: None }
+        Truth { lines: lines.to_vec(), mirrored: None, vertex_of: None, scale: None, paired: None }
     }
 
     /// A mirrored truth of every line.

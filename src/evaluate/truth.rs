@@ -1,5 +1,6 @@
 //! What the right match of a pair is, from whichever kind of ground truth the set has.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::EvaluationError;
@@ -7,7 +8,7 @@ use super::dataset::DataSet;
 use super::table::{index, indices, number, rows, text};
 use crate::read::faces_as_written;
 use crate::shape::Shape;
-use crate::vector::squared_distance;
+use crate::vector::{cross, minus, norm, squared_distance};
 
 /// The ground truth of a pair A → B. Errors are measured on a mesh that is B, or stands for it where B is a cloud.
 pub(super) struct Truth {
@@ -17,6 +18,9 @@ pub(super) struct Truth {
     pub mirrored: Option<Vec<(usize, u32)>>,
     /// The mesh's vertex at each point of B; `None` where the mesh is B itself.
     pub vertex_of: Option<Vec<u32>>,
+    /// How large A's body is beside B's, each in the unit of its file, by the faces of A that are on both; `None` where there are none, or no line says that a shape lacks
+    /// a point.
+    pub scale: Option<f64>,
     /// (point of A, whether it has a partner on B) for every template point on A; `None` where no line says that a shape lacks one.
     pub paired: Option<Vec<(u32, bool)>>,
 }
@@ -90,12 +94,14 @@ impl Truth {
         let mirrored = |exchanged: Vec<Option<u32>>| -> Vec<(usize, u32)> {
             shared.iter().enumerate().filter_map(|(line, &i)| Some((line, exchanged[i]?))).collect()
         };
+        let pieces = on_a.contains(&None) || on_b.contains(&None);
         let paired = || on_a.iter().zip(&on_b).filter_map(|(on_a, on_b)| Some(((*on_a)?, on_b.is_some()))).collect();
         Ok(Self {
             lines: shared.iter().filter_map(|&i| on_both(i)).collect(),
             mirrored: exchanged.map(mirrored).filter(|lines| !lines.is_empty()),
             vertex_of: None,
-            paired: (on_a.contains(&None) || on_b.contains(&None)).then(paired),
+            scale: pieces.then(|| scale(a.1, b.1, shared.iter().filter_map(|&i| on_both(i)))).flatten(),
+            paired: pieces.then(paired),
         })
     }
 
@@ -120,7 +126,7 @@ impl Truth {
             }
             lines.push((i as u32, nearest_corner(b.1, face, weights)));
         }
-        Ok(Self { lines, mirrored: None, vertex_of: None, paired: None })
+        Ok(Self { lines, mirrored: None, vertex_of: None, scale: None, paired: None })
     }
 
     /// Row i of each cloud's .tpl is the template's vertex there; another table leads from it to the mesh of the
@@ -142,8 +148,24 @@ impl Truth {
             Ok(of_template.into_iter().map(|s| on_mesh[row_of[s as usize] as usize]).collect())
         };
         let lines = (0..).zip(at_points(a)?).collect();
-        Ok(Self { lines, mirrored: None, vertex_of: Some(at_points(b)?), paired: None })
+        Ok(Self { lines, mirrored: None, vertex_of: Some(at_points(b)?), scale: None, paired: None })
     }
+}
+
+/// √area of the faces of A whose corners are all on B over that of the same faces there; lines are (point of A, point of B).
+fn scale(a: &Shape, b: &Shape, lines: impl Iterator<Item = (u32, u32)>) -> Option<f64> {
+    let on_b: BTreeMap<u32, u32> = lines.collect();
+    let area = |shape: &Shape, corners: [u32; 3]| {
+        let [p, q, r] = corners.map(|v| shape.points()[v as usize]);
+        0.5 * norm(cross(minus(q, p), minus(r, p)))
+    };
+    let (mut of_a, mut of_b) = (0.0, 0.0);
+    for &face in a.faces() {
+        let [Some(p), Some(q), Some(r)] = face.map(|v| on_b.get(&v).copied()) else { continue };
+        of_a += area(a, face);
+        of_b += area(b, [p, q, r]);
+    }
+    (of_a > 0.0 && of_b > 0.0).then(|| (of_a / of_b).sqrt())
 }
 
 /// 0-based vertices of a .vts that may be that of a piece: 0 stands for none.
@@ -194,4 +216,25 @@ fn nearest_corner(shape: &Shape, face: [u32; 3], weights: [f64; 3]) -> u32 {
     let distance = corners.map(|corner| squared_distance(corner, point));
     let nearest = (1..3).fold(0, |best, corner| if distance[corner] < distance[best] { corner } else { best });
     face[nearest]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_is_that_of_the_faces_on_both() {
+        // A square, and as many points in no face as make it a scan.
+        let square = |side: f64| -> Vec<[f64; 3]> {
+            let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].into_iter();
+            let more = (0..60).map(|i| [2.0 + f64::from(i), 1.0]);
+            corners.chain(more).map(|[x, y]| [side * x, side * y, 0.0]).collect()
+        };
+        let faces = vec![[0, 1, 2], [0, 2, 3]];
+        let a = Shape::new(square(3.0), faces.clone(), None).expect("a square");
+        let b = Shape::new(square(2.0), faces, None).expect("a square");
+        let on_both = |lines: &[u32]| scale(&a, &b, lines.iter().map(|&v| (v, v)));
+        // One face is enough, an edge is not.
+        assert_eq!((on_both(&[0, 1, 2, 3]), on_both(&[0, 1, 2]), on_both(&[0, 1])), (Some(1.5), Some(1.5), None));
+    }
 }

@@ -111,6 +111,7 @@ impl PreparedShape {
             ("repairs".to_owned(), json(serde_json::to_string(&self.repairs))?),
             ("oriented".to_owned(), self.surface.oriented.to_string()),
             ("parts".to_owned(), json(serde_json::to_string(&self.parts()))?),
+            ("extent".to_owned(), json(serde_json::to_string(&self.extent()))?),
             ("embeddings".to_owned(), json(serde_json::to_string(&said))?),
         ]);
         serialize(tensors, Some(metadata)).map_err(|e| BlockError(e.to_string()))

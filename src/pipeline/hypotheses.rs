@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use super::given::{Functions, indicators};
 use super::{MatchOptions, Parts, PreparedShape};
-use crate::confidence::strain;
+use crate::confidence::{relative_scale, strain};
 use crate::device::{Cpu, Device, Interrupted};
 use crate::maps::{Correspondence, LearnedCues, MapPair, Matchable, OutOfDistribution, learned_maps};
 use crate::network::{Model, PointEmbedding};
@@ -29,6 +29,8 @@ pub(super) struct BestMaps<'a> {
     pub(super) by_network: bool,
     /// Whether landmarks contradict the network's map, so that one made without it was tried as well.
     pub(super) contradicted: bool,
+    /// How much longer lengths of A turned out to be than they were taken for, where one of the two is a piece.
+    pub(super) longer: f64,
 }
 
 /// A network's view of a pair.
@@ -81,10 +83,16 @@ pub(super) async fn best_maps<'a, D: Device>(
 
     // Whatever made it, a map between two poses of one body keeps lengths. So does its mirror image: which of the two it is the features alone can say, and a
     // mirrored start is no candidate. What a map passes landmarks by counts as well as what it strains.
-    let mut best: Option<(f64, Refined, usize)> = None;
-    for (index, Start { sides: [side_a, side_b], maps, extra }) in starts.iter().enumerate() {
+    let mut best: Option<(f64, Refined, usize, f64)> = None;
+    let count = starts.len();
+    for (index, Start { sides, maps, extra }) in starts.iter_mut().enumerate() {
         let (first, extra) = (maps.clone(), extra.as_ref());
-        let refined = if index + 1 == starts.len() {
+        let longer = match piece && extra.is_some() && options.refine != Refinement::None {
+            true => to_scale(device, sides, maps, extra, constraints).await?,
+            false => 1.0,
+        };
+        let [side_a, side_b] = &*sides;
+        let refined = if index + 1 == count {
             refine(device, (side_a, side_b), first, extra, constraints, options.refine, progress).await?
         } else {
             // A listener is not told of a stage twice.
@@ -94,10 +102,10 @@ pub(super) async fn best_maps<'a, D: Device>(
         let strain = strain(side_a, side_b, &refined.a_to_b) + strain(side_b, side_a, &refined.b_to_a);
         let cost = strain + refined.residual;
         if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
-            best = Some((cost, refined, index));
+            best = Some((cost, refined, index, longer));
         }
     }
-    let (_, refined, index) = best.expect("a pair without the network's map has the other");
+    let (_, refined, index, longer) = best.expect("a pair without the network's map has the other");
     let Start { sides: [side_a, side_b], maps, extra } = starts.swap_remove(index);
     let by_network = extra.is_some();
     let raw = if options.raw {
@@ -106,7 +114,22 @@ pub(super) async fn best_maps<'a, D: Device>(
     } else {
         None
     };
-    Ok(BestMaps { refined, raw, home, by_network, contradicted })
+    Ok(BestMaps { refined, raw, home, by_network, contradicted, longer })
+}
+
+/// Scales A so that the match by features alone keeps lengths, and says by how much: how much of a body a piece is the network tells of each by itself, and only roughly.
+async fn to_scale<D: Device>(
+    device: &D,
+    [side_a, side_b]: &mut [Matchable; 2],
+    maps: &MapPair,
+    extra: Option<&[D::Tensor; 2]>,
+    constraints: Constraints<'_>,
+) -> Result<f64, Interrupted> {
+    let (as_is, silent) = (Refinement::None, &mut Progress::silent());
+    let found = refine(device, (side_a, side_b), maps.clone(), extra, constraints, as_is, silent).await?;
+    let longer = relative_scale([side_a, side_b], [&found.a_to_b, &found.b_to_a]).unwrap_or(1.0);
+    side_a.points *= longer;
+    Ok(longer)
 }
 
 /// The maps of the network that is most at home with a pair, of those that looked at both shapes.

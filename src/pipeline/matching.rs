@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use ndarray::Array2;
+use serde::{Deserialize, Serialize};
 
 use super::given::{labels_used, landmark_rows, landmarks, parts_in_common, shared_labels, side_by_side};
 use super::hypotheses::{BestMaps, Pair, best_maps};
 use super::thinned::MATCHED;
 use super::warnings::{Warning, contradicted, labelled_otherwise, of_map, of_shapes, verdict, without_network};
 use super::{DeviceKind, Error, GpuUse, MatchOptions, OptionError, Parts, PreparedShape};
-use crate::confidence::{Cues, alone, stretch};
+use crate::confidence::{Cues, overlap, stretch};
 use crate::device::{Device, Fallback, Interrupted};
 use crate::lifting::lift;
 use crate::maps::{Correspondence, FunctionalMap, UNMATCHED};
@@ -24,6 +25,8 @@ pub struct Match {
     pub a_to_b: Correspondence,
     /// For each uploaded point of B its point on A.
     pub b_to_a: Correspondence,
+    /// For each uploaded point of A the probability that it has a partner on B, and for those of B on A: 1 where the other is a whole body, 0 of what is no part of the body.
+    pub overlap: [Vec<f32>; 2],
     /// A to B as the first maps had it, before refinement; only where [`MatchOptions::raw`] asked for it.
     pub raw: Option<Correspondence>,
     /// C_ab: functions on A → functions on B.
@@ -36,6 +39,8 @@ pub struct Match {
     pub points_used: [usize; 2],
     /// What a user should know before trusting the result.
     pub warnings: Vec<Warning>,
+    /// How large A's body is beside B's.
+    pub scale: Scale,
     /// The weights that took part; nothing when none did.
     pub weights: Option<WeightsId>,
     /// Name of the category that the pair is taken to be of; nothing where no network is at home with it.
@@ -46,6 +51,41 @@ pub struct Match {
     pub device: DeviceKind,
     /// What was asked of a GPU.
     pub gpu: GpuUse,
+}
+
+/// How large A's body is beside B's, each in the unit of its file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Scale {
+    /// √area of the whole body that A is, or is a piece of, over that of B's.
+    pub ratio: f64,
+    /// How it was found.
+    pub found: ScaleSource,
+}
+
+/// How a ratio of scales was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ScaleSource {
+    /// Both are whole: by their areas.
+    Areas,
+    /// By how much of a body the network takes each for.
+    Network,
+    /// By that, and then by the lengths that the match keeps.
+    Match,
+}
+
+impl Scale {
+    /// By what A and B are taken for, lengths of A being `longer` than they were taken for.
+    fn of(a: &PreparedShape, b: &PreparedShape, longer: f64) -> Self {
+        let whole = a.info.share.min(b.info.share) == 1.0;
+        let found = match longer == 1.0 {
+            true if whole => ScaleSource::Areas,
+            true => ScaleSource::Network,
+            false => ScaleSource::Match,
+        };
+        Self { ratio: a.info.scale / b.info.scale / longer, found }
+    }
 }
 
 /// Features of both → functional maps both ways → refinement → correspondence of every uploaded point, on the CPU with the weights that ship.
@@ -116,7 +156,7 @@ pub(crate) async fn match_with_cues<D: Device>(
         }
         best => (best, None),
     };
-    let BestMaps { refined, raw, home, by_network, contradicted: by_landmarks } = match best {
+    let BestMaps { refined, raw, home, by_network, contradicted: by_landmarks, longer } = match best {
         Ok(best) => best,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
         Err(Interrupted::NotFinite(stage)) => {
@@ -126,28 +166,35 @@ pub(crate) async fn match_with_cues<D: Device>(
     };
     let Refined { mut a_to_b, mut b_to_a, maps, cues, .. } = refined;
     // A whole body has a partner for every point.
-    let without_partner =
-        [(&cues[0], side_b), (&cues[1], side_a)].map(|(cues, other)| (other.share < 1.0).then(|| alone(cues)));
+    let overlaps = [(&cues[0], side_b), (&cues[1], side_a)].map(|(cues, other)| match other.share < 1.0 {
+        true => overlap(cues),
+        false => vec![1.0; cues.table.nrows()],
+    });
     let reliability = (a.info.reliability * b.info.reliability) as f32;
     [&mut a_to_b, &mut b_to_a]
         .into_iter()
         .for_each(|found| found.confidence.iter_mut().for_each(|c| *c *= reliability));
     let untrained = home.is_none().then(without_network);
     let mut warnings: Vec<Warning> = untrained.into_iter().chain(of_shapes(a, b)).collect();
-    warnings.extend(home.as_ref().and_then(|home| verdict(home, !by_network, by_landmarks)));
+    let pieces = sides.iter().any(|side| side.share < 1.0);
+    warnings.extend(home.as_ref().and_then(|home| verdict(home, !by_network, by_landmarks, pieces)));
     let predicted = home.as_ref().filter(|home| !home.scores.is_of_others()).map(|home| home.embeddings);
     warnings
         .extend(parts.zip(predicted).and_then(|((of_a, of_b), predicted)| labelled_otherwise([of_a, of_b], predicted)));
-    warnings.extend(of_map(stretch(side_a, side_b, &a_to_b), &a_to_b.confidence));
+    let mut to_scale = side_a.clone();
+    to_scale.points *= longer;
+    warnings.extend(of_map(stretch(&to_scale, side_b, &a_to_b), &a_to_b.confidence));
     progress.at(Stage::Correspondence, 0.9)?;
     let lifted = |found: &Correspondence, from: &PreparedShape, to: &PreparedShape, labels| {
         from.between_uploaded(lift(found, from.sampled(), to.sampled(), labels), to)
     };
     let (mut a_to_b, mut b_to_a) =
         (lifted(&a_to_b, a, b, labels), lifted(&b_to_a, b, a, labels.map(|(of_a, of_b)| (of_b, of_a))));
-    for (found, from, alone) in [(&mut a_to_b, a, &without_partner[0]), (&mut b_to_a, b, &without_partner[1])] {
-        alone.iter().for_each(|alone| leave_alone(found, from, alone));
-    }
+    let overlap = [(&mut a_to_b, a, &overlaps[0]), (&mut b_to_a, b, &overlaps[1])].map(|(found, from, overlap)| {
+        let mut at_points: Vec<f32> = (0..found.target.len()).map(|i| overlap[from.support.row_of(i)]).collect();
+        leave_alone(found, &mut at_points);
+        at_points
+    });
     warnings.extend(contradicted(&options.landmarks, [a, b], [&a_to_b, &b_to_a], predicted));
     for &[i, j] in &options.landmarks {
         a_to_b.set(i, j);
@@ -158,12 +205,14 @@ pub(crate) async fn match_with_cues<D: Device>(
     let matched = Match {
         a_to_b,
         b_to_a,
+        overlap,
         raw: raw.map(|raw| lifted(&raw, a, b, labels)),
         c_ab: FunctionalMap { matrix: in_uploaded_units(maps.c_ab, a, b) },
         c_ba: FunctionalMap { matrix: in_uploaded_units(maps.c_ba, b, a) },
         seconds: progress.take_seconds(),
         points_used: [side_a.len(), side_b.len()],
         warnings,
+        scale: Scale::of(a, b, longer),
         weights: home.as_ref().filter(|_| by_network).map(|home| home.embeddings[0].weights.clone()),
         category: predicted.map(|[of_a, _]| of_a.category.name.clone()),
         fallback,
@@ -173,10 +222,12 @@ pub(crate) async fn match_with_cues<D: Device>(
     Ok((matched, cues))
 }
 
-/// Points that stand with a point used that has no partner have none.
-fn leave_alone(found: &mut Correspondence, from: &PreparedShape, alone: &[bool]) {
-    for (i, (target, confidence)) in found.target.iter_mut().zip(&mut found.confidence).enumerate() {
-        if alone[from.support.row_of(i)] {
+/// Points that more likely have no partner than one are left without, and what is no part of the body has none.
+fn leave_alone(found: &mut Correspondence, overlap: &mut [f32]) {
+    for ((target, confidence), overlap) in found.target.iter_mut().zip(&mut found.confidence).zip(overlap) {
+        if *target == UNMATCHED {
+            *overlap = 0.0;
+        } else if *overlap < 0.5 {
             (*target, *confidence) = (UNMATCHED, 0.0);
         }
     }

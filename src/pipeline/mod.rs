@@ -6,6 +6,7 @@ mod choice;
 mod contact;
 mod embedding;
 mod error;
+mod extent;
 mod geometry;
 mod given;
 mod hypotheses;
@@ -29,7 +30,7 @@ pub use error::{Error, Result};
 pub use matcher::Matcher;
 #[cfg(feature = "train")]
 pub(crate) use matching::match_with_cues;
-pub use matching::{Match, match_shapes, match_with};
+pub use matching::{Match, Scale, ScaleSource, match_shapes, match_with};
 pub use options::{FaceUse, MatchOptions, OptionError, Parts, PrepareOptions};
 pub use prepare::{prepare, prepare_with};
 pub use prepared::{Info, PreparedShape, ShapeKind};

@@ -56,13 +56,14 @@ pub(crate) fn of_shapes(a: &PreparedShape, b: &PreparedShape) -> Vec<Warning> {
 
 /// When the network's map is not to be relied on: the pair is unlike those it was trained on, or landmarks contradict it. `without` says that another map than the network's was taken, `by_landmarks` that these spoke
 /// against it.
-pub(crate) fn verdict(home: &Home, without: bool, by_landmarks: bool) -> Option<Warning> {
+/// Between a piece and a whole no functional map keeps what it takes, and that says nothing.
+pub(crate) fn verdict(home: &Home, without: bool, by_landmarks: bool, pieces: bool) -> Option<Warning> {
     let (category, scores) = (&home.embeddings[0].category, home.scores);
     if without && by_landmarks && !scores.is_of_others() {
         let message = "unsure: the landmarks contradict the network's map; one made without it agrees with them better and was taken";
         return Some(Warning::new("landmarks-against-network", message));
     }
-    match (without, scores.is_of_others() || scores.is_strange()) {
+    match (without, scores.is_of_others() || scores.is_strange() && !pieces) {
         (true, _) => {
             let message = format!(
                 "unsure: at least one of the scans is not one whole {}, and such {} are all that the network knows; a map made without it keeps lengths better and was taken; limbs or the whole body may be matched the wrong way round",

@@ -137,8 +137,9 @@ pub(super) fn spectrum_to_js(basis: &SpectralBasis, report: &SpectrumReport) -> 
 }
 
 pub(super) fn match_to_js(matched: &Match, peak_memory_bytes: f64) -> Result<JsValue, JsValue> {
-    let [target, confidence, map] = directed(&matched.a_to_b, &matched.c_ab)?;
-    let reverse = object(directed(&matched.b_to_a, &matched.c_ba)?)?;
+    let [of_a, of_b] = &matched.overlap;
+    let [target, confidence, overlap, map] = directed(&matched.a_to_b, of_a, &matched.c_ab)?;
+    let reverse = object(directed(&matched.b_to_a, of_b, &matched.c_ba)?)?;
     let report = json!({
         "device": matched.device,
         "fallback": matched.fallback,
@@ -149,14 +150,20 @@ pub(super) fn match_to_js(matched: &Match, peak_memory_bytes: f64) -> Result<JsV
         "warnings": matched.warnings,
         "weights": matched.weights.as_ref().map(|id| json!({ "name": id.name, "version": id.version })),
         "category": matched.category,
+        "scale": matched.scale,
     });
-    object([target, confidence, map, ("reverse", reverse), ("report", plain(&report))])
+    object([target, confidence, overlap, map, ("reverse", reverse), ("report", plain(&report))])
 }
 
-fn directed(map: &Correspondence, functional: &FunctionalMap) -> Result<[(&'static str, JsValue); 3], JsValue> {
+fn directed(
+    map: &Correspondence,
+    overlap: &[f32],
+    functional: &FunctionalMap,
+) -> Result<[(&'static str, JsValue); 4], JsValue> {
     Ok([
         ("targetOf", u32s(&map.target)),
         ("confidence", Float32Array::from(map.confidence.as_slice()).into()),
+        ("overlap", Float32Array::from(overlap).into()),
         ("functionalMap", matrix_to_js(&functional.matrix)?),
     ])
 }

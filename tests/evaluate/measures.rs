@@ -84,6 +84,7 @@ fn template_points_that_a_piece_lacks_count_for_the_overlap_and_not_for_the_erro
     assert_near(&overlap["iou"], on_both / on_a);
     assert_eq!((&overlap["alone_said_alone"], &overlap["paired_said_alone"]), (&0.0.into(), &0.0.into()));
     assert_eq!(overlap.as_object().expect("an object").len(), 3);
+    // And looks for no scale.
     assert!(found.as_object().expect("an object").contains_key("scale_within_10"));
     assert_eq!(found["scale_within_10"], Value::Null);
 
@@ -109,7 +110,8 @@ fn matches_of_pieces_are_measured_on_what_both_have() {
     set.column("corres/copy.vts", order.iter().enumerate().map(|(v, &i)| if v % 3 == 0 { 0 } else { i as usize + 1 }));
     let found = set.measured(&[&MATCH[..], &["--mode", "mesh"]].concat());
     assert!(number(&found["age"]) < 2.5, "{}", found["age"]);
-    // Today's matches leave no point alone.
+    // Both are taken for whole, which they are: no point is left alone, and their sizes say how large each is.
+    assert_eq!(found["scale_within_10"], 1.0);
     assert_near(&found["overlap"]["iou"], (n - n.div_ceil(3)) as f64 / n as f64);
     assert_eq!(found["overlap"]["alone_said_alone"], 0.0);
 }

@@ -12,12 +12,17 @@ export function partnerOf(match: Match, side: Side, index: number): number | nul
 
 /** The same match with A and B exchanged. */
 export function reversed(match: Match): Match {
-  const { targetOf, confidence, functionalMap, reverse, report } = match;
+  const { targetOf, confidence, overlap, functionalMap, reverse, report } = match;
   const [usedA, usedB] = report.pointsUsed;
   return {
     ...reverse,
-    reverse: { targetOf, confidence, functionalMap },
-    report: { ...report, pointsUsed: [usedB, usedA], warnings: report.warnings.map(exchanged) },
+    reverse: { targetOf, confidence, overlap, functionalMap },
+    report: {
+      ...report,
+      pointsUsed: [usedB, usedA],
+      scale: { ...report.scale, ratio: 1 / report.scale.ratio },
+      warnings: report.warnings.map(exchanged),
+    },
   };
 }
 

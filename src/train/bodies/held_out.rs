@@ -33,7 +33,7 @@ pub struct HeldOut {
     pub seed: u64,
     /// Vertices of each mesh, and points of the template that the truth is given at.
     pub points: usize,
-    /// Whether there is a piece of each body too, every second one in another unit, and pairs are of pieces with wholes, every fourth of two pieces.
+    /// Whether there is a piece of each body too, every second one in another unit, and pairs are of pieces with wholes, every fourth of a whole with a piece and every fourth of two pieces.
     pub pieces: bool,
 }
 
@@ -113,11 +113,15 @@ fn pairs(names: &[String], seed: u64) -> Vec<String> {
     pairs
 }
 
-/// Each piece to the whole of the next body, every fourth to its piece.
+/// Each piece and the whole of the next body, every fourth the other way round and every fourth with its piece.
 fn pairs_of_pieces(names: &[String], pieces: &[String]) -> Vec<String> {
     let next = |i: usize| (i + 1) % names.len();
-    let other = |i: usize| if i % 4 == 3 { &pieces[next(i)] } else { &names[next(i)] };
-    pieces.iter().enumerate().map(|(i, piece)| format!("{piece} {}", other(i))).collect()
+    let pair = |(i, piece): (usize, &String)| match i % 4 {
+        1 => format!("{} {piece}", names[next(i)]),
+        3 => format!("{piece} {}", pieces[next(i)]),
+        _ => format!("{piece} {}", names[next(i)]),
+    };
+    pieces.iter().enumerate().map(pair).collect()
 }
 
 fn note(set: &HeldOut) -> String {

@@ -19,11 +19,17 @@ export function mapAsJson({ match, choices, landmarks }: Result, a: Scan, b: Sca
     prepared: { ...prepared, ...(whole && { wholeScan: true }) },
     repairs: shape.repairs,
   });
-  const { device, category, warnings, weights } = match.report;
+  const { device, category, scale: ratio, warnings, weights } = match.report;
   const map = Array.from(match.targetOf, (target, source) => ({
     source,
     target: target === UNMATCHED ? null : target,
     confidence: match.confidence[source],
+    overlap: match.overlap[source],
   }));
-  return JSON.stringify({ a: scan(a), b: scan(b), match: { ...choices, landmarks, device, weights, category, warnings }, map });
+  return JSON.stringify({
+    a: scan(a),
+    b: scan(b),
+    match: { ...choices, landmarks, device, weights, category, scale: ratio, warnings },
+    map,
+  });
 }

@@ -29,6 +29,7 @@ const facts: readonly (readonly [string, (scan: Scan) => string])[] = [
   ['Unit', ({ shape: { info } }) => info.unit ?? 'not clear'],
   ['Up', ({ shape: { info } }) => info.upAxis ?? 'not clear'],
   ['Scale (√area)', ({ shape: { info } }) => `${info.scale.toPrecision(3)}${info.unit ? ` ${info.unit}` : ''}`],
+  ['Of a body', ({ shape }) => shape.extent ?? 'all'],
   ['Points used', ({ shape: { info } }) => count(info.pointsUsed)],
   ['Laplacian', ({ shape: { info } }) => laplacianWords[info.laplacian]],
   ['Eigenpairs', ({ shape: { info } }) => count(info.eigenpairs)],
