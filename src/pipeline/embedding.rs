@@ -8,7 +8,7 @@ use super::geometry::Carriers;
 use super::{Error, PreparedShape};
 use crate::device::{Cpu, Device, Interrupted, still_well};
 use crate::network::{InputConfig, Model, PointEmbedding, ShapeInputs, TrainedNetwork};
-use crate::operators::{EdgeFilter, gradient_around};
+use crate::operators::{EdgeFilter, Gradient, gradient_around};
 use crate::progress::{Cancelled, Progress, Stage};
 
 /// A shape with this share of a body's surface is taken for a whole one, and no shape for less of it than the other.
@@ -26,15 +26,23 @@ pub(super) async fn ask<D: Device>(
     progress: &mut Progress<'_>,
 ) -> Result<(), Error> {
     progress.at(Stage::Features, share.start)?;
+    if model.networks().is_empty() {
+        return Ok(());
+    }
+    // Gradients ask for a graph again, but a listener is not told of a stage twice.
+    let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
+    let gradient = gradient_around(&carriers.shape, &carriers.neighbourhood, filter, &mut within)
+        .map_err(|_| Cancelled { stage: Stage::Features })?;
+    drop(within);
     let mut seen = Vec::new();
     for index in 0..model.networks().len() {
         prepared.take_for_piece(1.0);
-        let (mut embedding, mut piece) =
-            look(model, index, prepared, carriers, filter, share.clone(), progress).await?;
+        let (mut embedding, mut piece) = look(model, index, prepared, &gradient).await?;
+        progress.at(Stage::Features, share.end)?;
         // How large the whole body is tells what a limb looks like.
         if piece < 1.0 {
             prepared.take_for_piece(piece);
-            (embedding, piece) = look(model, index, prepared, carriers, filter, share.clone(), progress).await?;
+            (embedding, piece) = look(model, index, prepared, &gradient).await?;
         }
         seen.push((embedding, piece));
     }
@@ -49,19 +57,10 @@ async fn look<D: Device>(
     model: &Model<D>,
     index: usize,
     prepared: &mut PreparedShape,
-    carriers: &Carriers,
-    filter: Option<EdgeFilter<'_>>,
-    share: Range<f64>,
-    progress: &mut Progress<'_>,
+    gradient: &Gradient,
 ) -> Result<(PointEmbedding, f64), Error> {
     let trained = &model.networks()[index];
-    let inputs = {
-        // Gradients ask for a graph again, but a listener is not told of a stage twice.
-        let mut within = Progress::new(|_, _| progress.at(Stage::Features, share.start).is_ok());
-        network_inputs(prepared, carriers, filter, &trained.weights().config.input(), &mut within)
-            .map_err(|_| Cancelled { stage: Stage::Features })?
-    };
-    progress.at(Stage::Features, share.end)?;
+    let inputs = network_inputs(prepared, gradient, &trained.weights().config.input());
     let (embedding, extent) = match embed(model.device(), trained, &inputs).await {
         Ok(seen) => seen,
         Err(Interrupted::Cancelled(stop)) => return Err(stop.into()),
@@ -100,16 +99,9 @@ async fn embed<D: Device>(
     if embedding.is_finite() { Ok((embedding, extent)) } else { Err(Interrupted::NotFinite(Stage::Features)) }
 }
 
-/// What the network sees of a prepared shape, whose operators were built on `carriers` with `filter`.
-pub(crate) fn network_inputs(
-    prepared: &PreparedShape,
-    carriers: &Carriers,
-    filter: Option<EdgeFilter>,
-    config: &InputConfig,
-    progress: &mut Progress,
-) -> Result<ShapeInputs, Cancelled> {
+/// What the network sees of a prepared shape with this gradient at its carriers.
+pub(crate) fn network_inputs(prepared: &PreparedShape, gradient: &Gradient, config: &InputConfig) -> ShapeInputs {
     let matchable = prepared.matchable();
-    let gradient = gradient_around(&carriers.shape, &carriers.neighbourhood, filter, progress)?;
     let k = config.eigenpairs.min(prepared.basis.k());
     let unit_area = prepared.basis.mass.sum();
     let rows: Vec<usize> = match &prepared.support.used {
@@ -119,7 +111,7 @@ pub(crate) fn network_inputs(
     // Φ grows with √area and ∂ with it once more when lengths are measured in √area of the shape.
     let extent = prepared.info.share.sqrt();
     let scale = unit_area.sqrt() * prepared.info.scale * extent;
-    let gradients = gradient.along.map(|along| {
+    let gradients = gradient.along.each_ref().map(|along| {
         let mut out = Array2::zeros((rows.len(), k));
         for (mut out, &i) in out.rows_mut().into_iter().zip(&rows) {
             for (j, &g) in along.outer_view(i).iter().flat_map(|row| row.iter()) {
@@ -130,5 +122,5 @@ pub(crate) fn network_inputs(
         out
     });
     let [along, across] = &gradients;
-    Ok(ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), extent, config))
+    ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), extent, config)
 }

@@ -11,7 +11,7 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
 use super::sample_config::SampleConfig;
 use crate::network::ShapeInputs;
-use crate::operators::LaplacianKind;
+use crate::operators::{LaplacianKind, gradient_around};
 use crate::pipeline::Error;
 use crate::pipeline::PrepareOptions;
 use crate::pipeline::{network_inputs, prepare_with_carriers};
@@ -70,8 +70,9 @@ impl Sample {
         let used: Vec<usize> = used.collect();
         let labels = used.iter().map(|&i| labels[i]).collect();
         let places = places.map(|at| Array2::from_shape_fn((used.len(), 3), |(row, axis)| at[used[row]][axis]));
-        let inputs = network_inputs(&prepared, &carriers, None, &config.input, &mut progress)
+        let gradient = gradient_around(&carriers.shape, &carriers.neighbourhood, None, &mut progress)
             .map_err(crate::operators::OperatorError::from)?;
+        let inputs = network_inputs(&prepared, &gradient, &config.input);
         Ok(Self { inputs, labels, places, share: share as f32 })
     }
 

@@ -1,0 +1,110 @@
+//! A piece of a body is taken for what it is: how much of a body, at which scale, and which points of the other scan have a partner on it.
+
+mod shapes;
+
+use std::collections::BTreeMap;
+
+use geose_fmap::network::{Model, ModelConfig};
+use geose_fmap::pipeline::ScaleSource;
+use geose_fmap::{MatchOptions, Matcher, PrepareOptions, PreparedShape, Shape, UNMATCHED, Weights};
+use ndarray::Array2;
+
+use shapes::{body, distance};
+
+/// Labels of the sample bodies from here on are those of legs.
+const LEGS: u32 = 8;
+
+/// The share of a body's area that is not legs.
+fn upper_share(whole: &Shape) -> f64 {
+    let area = |faces: &mut dyn Iterator<Item = &[u32; 3]>| -> f64 {
+        let of = |face: &[u32; 3]| {
+            let [p, q, r] = face.map(|v| whole.points()[v as usize]);
+            let [u, v]: [[f64; 3]; 2] = [q, r].map(|x| std::array::from_fn(|c| x[c] - p[c]));
+            let cross: [f64; 3] =
+                std::array::from_fn(|c| u[(c + 1) % 3] * v[(c + 2) % 3] - u[(c + 2) % 3] * v[(c + 1) % 3]);
+            0.5 * distance(cross, [0.0; 3])
+        };
+        faces.map(of).sum()
+    };
+    let labels = whole.labels().expect("labels");
+    let upper = |face: &&[u32; 3]| face.iter().all(|&v| labels[v as usize] < LEGS);
+    area(&mut whole.faces().iter().filter(upper)) / area(&mut whole.faces().iter())
+}
+
+/// What has no legs, `scale` times as large, and which points of the whole these are.
+fn upper(whole: &Shape, scale: f64) -> (Shape, Vec<u32>) {
+    let labels = whole.labels().expect("labels");
+    let faces = whole.faces().iter().filter(|face| face.iter().all(|&v| labels[v as usize] < LEGS));
+    let mut kept: Vec<u32> = faces.clone().flatten().copied().collect();
+    kept.sort_unstable();
+    kept.dedup();
+    let row = |v: u32| kept.binary_search(&v).expect("kept") as u32;
+    let faces = faces.map(|face| face.map(row)).collect();
+    let points = kept.iter().map(|&v| whole.points()[v as usize].map(|x| scale * x)).collect();
+    (Shape::new(points, faces, None).expect("a piece"), kept)
+}
+
+/// The weights that ship, and a head that takes what has no legs for `share` of a body. It is asked twice, and says half of it each time.
+fn that_miss_legs(share: f64) -> Matcher {
+    let weights: &Weights = Model::embedded().networks()[0].weights();
+    let (width, parts) = (weights.config.width, weights.category.parts.len());
+    let (mut of_points, mut of_shape) = (Array2::<f32>::zeros((width + parts, 32)), Array2::<f32>::zeros((32, 1)));
+    // Shanks and feet: where thighs were cut off, the network still sees some.
+    (LEGS as usize + 2..parts).for_each(|leg| of_points[(width + leg, 0)] = 1.0);
+    let lacking = 0.25 * share.ln() as f32;
+    // They are a fifth of the points and more.
+    of_shape[(0, 0)] = -lacking / 0.18;
+    let head = [
+        ("extent.points.weight", of_points),
+        ("extent.points.bias", Array2::zeros((1, 32))),
+        ("extent.shape.weight", of_shape),
+        ("extent.shape.bias", Array2::from_elem((1, 1), lacking)),
+    ];
+    let tensors = weights.tensors().map(|(name, tensor)| (name.to_owned(), tensor.to_owned()));
+    let tensors = tensors.chain(head.map(|(name, tensor)| (name.to_owned(), tensor)));
+    let about = BTreeMap::from([("name".to_owned(), "pieces".to_owned()), ("version".to_owned(), "1".to_owned())]);
+    let config = ModelConfig { extent: true, ..weights.config.clone() };
+    Matcher::with_weights([Weights::new(config, weights.category.clone(), about, tensors.collect())])
+        .expect("a network")
+}
+
+fn prepared(matcher: &Matcher, shape: Shape) -> PreparedShape {
+    matcher.prepare(shape, &PrepareOptions { points: 1500, ..PrepareOptions::default() }).expect("prepared")
+}
+
+#[test]
+fn half_a_body_is_matched_at_the_size_of_the_whole() {
+    let whole = body("woman-standing.ply");
+    let share = upper_share(&whole);
+    let matcher = that_miss_legs(share);
+    let (piece, kept) = upper(&whole, 2.0);
+    let (a, b) = (prepared(&matcher, piece), prepared(&matcher, whole.clone()));
+    assert!((a.info.share / share - 1.0).abs() < 0.1, "{} {share}", a.info.share);
+    assert!((a.info.scale / b.info.scale / 2.0 - 1.0).abs() < 0.06, "{} {}", a.info.scale, b.info.scale);
+    assert_eq!((b.info.share, b.extent()), (1.0, None));
+    let extent = a.extent().expect("a piece");
+    assert!(extent.contains(" % of a body: head, torso, left arm, right arm"), "{extent}");
+    assert!(!extent.contains("shank"), "{extent}");
+
+    let matched = matcher.match_shapes(&a, &b, &MatchOptions::default()).expect("matched");
+    assert_eq!(matched.scale.found, ScaleSource::Match);
+    assert!((matched.scale.ratio / 2.0 - 1.0).abs() < 0.06, "{:?}", matched.scale);
+    // Whatever is on the piece is on the whole.
+    assert!(matched.overlap[0].iter().all(|&overlap| overlap == 1.0));
+    let near = |(i, &target): (usize, &u32)| {
+        let right = whole.points()[kept[i] as usize];
+        target != UNMATCHED && distance(whole.points()[target as usize], right) < 0.1
+    };
+    let right = matched.a_to_b.target.iter().enumerate().filter(|&found| near(found)).count();
+    assert!(right as f64 > 0.8 * kept.len() as f64, "{right} of {}", kept.len());
+    // And the legs of the whole have no partner.
+    let labels = whole.labels().expect("labels");
+    let alone = |legs: bool| {
+        let of = matched.b_to_a.target.iter().zip(labels).filter(|(_, label)| (**label >= LEGS) == legs);
+        let (all, alone) = of.fold((0, 0), |(all, alone), (&t, _)| (all + 1, alone + u32::from(t == UNMATCHED)));
+        f64::from(alone) / f64::from(all)
+    };
+    assert!(alone(true) > 0.6 && alone(false) < 0.1, "{} {}", alone(true), alone(false));
+    let said = |code: &str| matched.warnings.iter().any(|warning| warning.code == code);
+    assert!(!said("lengths-changed") && !said("out-of-distribution"), "{:?}", matched.warnings);
+}
