@@ -96,9 +96,51 @@ pub(super) fn least_squares(gram: ArrayView2<f32>, right: ArrayView2<f32>) -> Ar
     }
 }
 
+/// Functions (rows, m) that are known as well as `weights` (rows) say, as the smoothest sum of the columns of Φ (rows, k) that agrees with them: where nothing is known, by what is
+/// around. `stiffness` is how much each column costs, beside the points that it is known by.
+pub(crate) fn smoothed_where(
+    phi: ArrayView2<f32>,
+    functions: ArrayView2<f64>,
+    weights: &[f64],
+    stiffness: impl Fn(usize) -> f64,
+) -> Array2<f64> {
+    let weights = ndarray::ArrayView1::from(weights).insert_axis(ndarray::Axis(1));
+    let phi = phi.mapv(f64::from);
+    let weighed = &phi * &weights;
+    let mut gram = weighed.t().dot(&phi);
+    gram.diag_mut().iter_mut().enumerate().for_each(|(j, diagonal)| *diagonal += stiffness(j));
+    let right = weighed.t().dot(&functions);
+    phi.dot(&least_squares(gram.mapv(|v| v as f32).view(), right.mapv(|v| v as f32).view()))
+}
+
 /// Functions (rows, m) as seen through the columns of Φ (rows, k).
 pub(crate) fn smoothed(phi: ArrayView2<f32>, functions: ArrayView2<f64>) -> Array2<f64> {
     let functions = functions.mapv(|v| v as f32);
     let coefficients = least_squares(phi.t().dot(&phi).view(), phi.t().dot(&functions).view());
     phi.mapv(f64::from).dot(&coefficients)
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Array2;
+
+    use super::{smoothed, smoothed_where};
+
+    #[test]
+    fn what_nothing_is_known_of_follows_what_is_around() {
+        // Cosines on a line of 100 points, and a height that is known of the first half alone.
+        let phi = Array2::from_shape_fn((100, 6), |(i, j)| {
+            (std::f32::consts::PI * j as f32 * (i as f32 + 0.5) / 100.0).cos()
+        });
+        let height = |i: usize| 1.0 + 0.5 * (std::f64::consts::PI * (i as f64 + 0.5) / 100.0).cos();
+        let known = |i: usize| i < 50;
+        let targets = Array2::from_shape_fn((100, 1), |(i, _)| if known(i) { height(i) } else { 90.0 });
+        let weights: Vec<f64> = (0..100).map(|i| if known(i) { 1.0 } else { 0.0 }).collect();
+        let found = smoothed_where(phi.view(), targets.view(), &weights, |j| 1e-3 * (j * j) as f64);
+        let off = |rows: std::ops::Range<usize>| rows.map(|i| (found[(i, 0)] - height(i)).abs()).fold(0.0, f64::max);
+        assert!(off(0..50) < 0.05 && off(50..100) < 0.5, "{} {}", off(0..50), off(50..100));
+        // All alike, it is a projection.
+        let all = smoothed_where(phi.view(), targets.view(), &[1.0; 100], |_| 0.0);
+        assert!((&all - &smoothed(phi.view(), targets.view())).iter().all(|d| d.abs() < 1e-2));
+    }
 }

@@ -14,7 +14,7 @@ pub use correspondence::{Correspondence, UNMATCHED};
 pub use functional_map::FunctionalMap;
 #[cfg(feature = "train")]
 pub use functional_map::functional_maps;
-pub(crate) use functional_map::smoothed;
+pub(crate) use functional_map::{smoothed, smoothed_where};
 pub use known_functions::{landmark_functions, part_functions};
 pub(crate) use learned::{OutOfDistribution, learned_maps};
 pub use matchable::{LearnedCues, Matchable};

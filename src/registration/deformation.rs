@@ -4,7 +4,7 @@ use ndarray::Array2;
 
 use super::alignment::{Rotation, best_rotation, turned};
 use super::as_rigid_as_possible::{Deformation, DeformationGraph};
-use crate::maps::{Matchable, smoothed};
+use crate::maps::{Matchable, smoothed, smoothed_where};
 use crate::vector::{Vector, minus, norm, plus, squared_distance};
 
 /// Eigenfunctions that the first guess of a deformation is smoothed by.
@@ -13,6 +13,10 @@ const SMOOTH: usize = 60;
 const CYCLE_SCALE: f64 = 0.05;
 /// Weight of a target that nothing confirms: just enough to say something where nothing else does.
 const LEAST_WEIGHT: f64 = 0.02;
+/// The same where one of the bodies is a piece, so that points may have no target at all.
+const LEAST_WEIGHT_OF_PIECES: f64 = 0.001;
+/// There, how much an eigenfunction costs in the first guess, by its eigenvalue, beside one sample.
+const SMOOTHNESS: f64 = 0.1;
 
 /// One body of the pair.
 struct Body<'m> {
@@ -26,6 +30,8 @@ pub(super) struct Registration<'m> {
     bodies: [Body<'m>; 2],
     /// Whether the signs of normals can be compared.
     oriented: bool,
+    /// Whether both are whole, so that every point has a target.
+    whole: bool,
     /// Points of a sampling that stiffness is meant for.
     full: f64,
 }
@@ -48,18 +54,19 @@ impl<'m> Registration<'m> {
             let rest = shape.coarse.iter().map(|&row| place(shape, row as usize)).collect();
             Body { shape, graph: DeformationGraph::new(rest, &shape.surface.adjacent), deformed: None }
         });
-        Self { bodies, oriented: a.surface.oriented && b.surface.oriented, full: full as f64 }
+        let (oriented, whole) = (a.surface.oriented && b.surface.oriented, a.share.min(b.share) == 1.0);
+        Self { bodies, oriented, whole, full: full as f64 }
     }
 
     /// Registers both to each other by a match of their samplings: rows of B for those of A, and the other way round. `stiffness` is meant for a sampling of
     /// `full` points; fewer hold each other over longer distances.
     pub(super) fn follow(&mut self, to_b: &[u32], to_a: &[u32], stiffness: f64) {
-        let [a, b] = &mut self.bodies;
+        let (whole, [a, b]) = (self.whole, &mut self.bodies);
         let (rest_a, rest_b) = (a.graph.rest().to_vec(), b.graph.rest().to_vec());
         let stiffness = |body: &Body| stiffness * body.graph.len() as f64 / self.full;
         let (stiff_a, stiff_b) = (stiffness(a), stiffness(b));
-        a.follow(&rest_b, to_b, to_a, stiff_a);
-        b.follow(&rest_a, to_a, to_b, stiff_b);
+        a.follow(&rest_b, to_b, to_a, stiff_a, whole);
+        b.follow(&rest_a, to_a, to_b, stiff_b, whole);
     }
 
     /// At the samplings.
@@ -108,26 +115,35 @@ impl<'m> Registration<'m> {
 }
 
 impl Body<'_> {
-    fn follow(&mut self, other: &[Vector], there: &[u32], back: &[u32], stiffness: f64) {
+    fn follow(&mut self, other: &[Vector], there: &[u32], back: &[u32], stiffness: f64, whole: bool) {
         let rest = self.graph.rest();
+        let least = if whole { LEAST_WEIGHT } else { LEAST_WEIGHT_OF_PIECES };
         let targets: Vec<Vector> = there.iter().map(|&j| other[j as usize]).collect();
         let weights: Vec<f64> = there
             .iter()
             .zip(rest)
             .map(|(&j, &x)| {
                 let squared = squared_distance(rest[back[j as usize] as usize], x);
-                (-squared / (2.0 * CYCLE_SCALE * CYCLE_SCALE)).exp() + LEAST_WEIGHT
+                (-squared / (2.0 * CYCLE_SCALE * CYCLE_SCALE)).exp() + least
             })
             .collect();
-        let start = self.deformed.take().unwrap_or_else(|| self.guess(&targets));
+        let confirmed = || weights.iter().map(|weight| weight - least).collect::<Vec<_>>();
+        let start = self.deformed.take().unwrap_or_else(|| self.guess(&targets, (!whole).then(confirmed)));
         // Without memory for the factorisation the body stays where it was, or where the smooth targets are.
         self.deformed = Some(self.graph.deform(&targets, &weights, stiffness, start));
     }
 
-    /// Targets as smooth as the first eigenfunctions are, and the turn of the body as a whole.
-    fn guess(&self, targets: &[Vector]) -> Deformation {
+    /// Targets as smooth as the first eigenfunctions are, those with weights only as far as a target is confirmed, and the turn of the body as a whole.
+    fn guess(&self, targets: &[Vector], weights: Option<Vec<f64>>) -> Deformation {
         let k = SMOOTH.min(self.shape.basis.k());
-        let smooth = smoothed(self.shape.phi_at(&self.shape.coarse, k).view(), wide(targets).view());
+        let (phi, targets) = (self.shape.phi_at(&self.shape.coarse, k), wide(targets));
+        let smooth = match weights {
+            None => smoothed(phi.view(), targets.view()),
+            Some(weights) => {
+                let cost = |j: usize| SMOOTHNESS * self.shape.basis.eigenvalues[j];
+                smoothed_where(phi.view(), targets.view(), &weights, cost)
+            }
+        };
         let (whole, _) = best_rotation(wide(self.graph.rest()).view(), smooth.view());
         let positions = smooth.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
         self.graph.start_at(positions, &whole)
