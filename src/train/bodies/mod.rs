@@ -154,7 +154,7 @@ impl BodyModel {
     pub fn rest(&self, person: &Person) -> Result<Rest, DataError> {
         let shape = person.shape(&self.data)?;
         let mut rest = Rest { skeleton: Skeleton::of_shape(&self.data.bones, &shape), shape };
-        person.style.applied(&mut rest, &self.data.weights);
+        person.style.applied(&mut rest.shape, &mut rest.skeleton, &self.data.weights);
         Ok(rest)
     }
 

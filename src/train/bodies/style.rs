@@ -4,8 +4,8 @@ use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::Rest;
 use super::chance::{happens, uniform};
+use super::skeleton::Skeleton;
 use super::skinning::Weights;
 
 /// How much larger than a person's some parts of a body are.
@@ -42,10 +42,11 @@ impl Style {
     }
 
     /// The person with these proportions.
-    pub(super) fn applied(&self, rest: &mut Rest, weights: &Weights) {
+    pub(super) fn applied(&self, shape: &mut [DVec3], skeleton: &mut Skeleton, weights: &Weights) {
         if *self == Self::default() {
             return;
         }
+        let rest = &mut (shape, skeleton);
         for side in ["_l", "_r"] {
             let named = |bone: &str| format!("{bone}{side}");
             let leg = ["thigh", "calf", "foot", "ball"].map(named);
@@ -69,14 +70,20 @@ impl Style {
 }
 
 /// Scales what bones move about the joint of the one called `about`.
-fn stretched(rest: &mut Rest, weights: &Weights, about: &str, moves: impl Fn(&str) -> bool, scale: DVec3) {
-    let Some(joint) = rest.skeleton.find(about).map(|bone| rest.skeleton.bones[bone].head) else { return };
-    let of_bone: Vec<f64> = rest.skeleton.bones.iter().map(|bone| f64::from(u8::from(moves(&bone.name)))).collect();
+fn stretched(
+    (shape, skeleton): &mut (&mut [DVec3], &mut Skeleton),
+    weights: &Weights,
+    about: &str,
+    moves: impl Fn(&str) -> bool,
+    scale: DVec3,
+) {
+    let Some(joint) = skeleton.find(about).map(|bone| skeleton.bones[bone].head) else { return };
+    let of_bone: Vec<f64> = skeleton.bones.iter().map(|bone| f64::from(u8::from(moves(&bone.name)))).collect();
     let moved = |x: DVec3, weight: f64| joint + (x - joint) * (DVec3::ONE + (scale - DVec3::ONE) * weight);
-    for (x, row) in rest.shape.iter_mut().zip(weights.rows()) {
+    for (x, row) in shape.iter_mut().zip(weights.rows()) {
         *x = moved(*x, row.iter().map(|&(bone, weight)| weight * of_bone[bone]).sum());
     }
-    for (bone, weight) in rest.skeleton.bones.iter_mut().zip(of_bone) {
+    for (bone, weight) in skeleton.bones.iter_mut().zip(of_bone) {
         (bone.head, bone.tail) = (moved(bone.head, weight), moved(bone.tail, weight));
     }
 }
