@@ -111,11 +111,12 @@ fn bodies_that_scores_are_measured_on_stay_as_they_are() {
     let found: Vec<[u64; 3]> = names.iter().map(sums).collect();
     assert_eq!(found, known, "{found:x?}");
 
-    // Each body has a piece, to be matched to the other one whole: every point of it is some template point's, and the rest of these have none.
+    // Each body has a piece, to be matched with the other one whole, the second the other way round: every point of it is some template point's, and the rest of these have none.
     let pairs = std::fs::read_to_string(folder.join("pairs.txt")).expect("there");
     let pairs: Vec<(&str, &str)> = pairs.lines().filter_map(|line| line.split_once(' ')).collect();
-    assert_eq!(pairs.iter().map(|(_, whole)| *whole).collect::<Vec<_>>(), [&names[1], &names[0]]);
-    for ((piece, _), name) in pairs.into_iter().zip(&names) {
+    let &[(first, whole), (other, second)] = &pairs[..] else { panic!("two pairs") };
+    assert_eq!([whole, other], [&names[1], &names[0]]);
+    for (piece, name) in [first, second].into_iter().zip(&names) {
         assert!(piece.starts_with(&**name) && piece != name, "{piece} of {name}");
         let shape = read(&std::fs::read(folder.join(format!("shapes/{piece}.off"))).expect("there"), None, None);
         let points = shape.expect("a shape").points().len();
