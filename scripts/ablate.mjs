@@ -25,6 +25,9 @@ const HEAD = [
 ];
 const losses = (changes) => ({ run: { losses: changes } });
 
+/** What these runs learn from: whole people, one scan of each. */
+const WHOLES = { pieces: 0, stylised: 0, scans_of_body: 1 };
+
 /** Step from which maps are learned from, but for the paper's configuration: earlier than where there is more time. */
 const MAPS_FROM = 200;
 
@@ -99,7 +102,8 @@ async function trainAll(names, { budget, bodies, folder, seeds }) {
           '--run',
           JSON.stringify({ ...(paper ? {} : { maps_from: MAPS_FROM }), ...changes, ...budget, name, seed }),
           '--network',
-          JSON.stringify(network),
+          JSON.stringify({ extent: false, ...network }),
+          ...(paper ? [] : ['--scans', JSON.stringify(WHOLES)]),
         ],
         ...(laplacian ? ['--laplacian', laplacian] : []),
         ...(paper ? ['--paper'] : []),

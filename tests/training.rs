@@ -6,6 +6,7 @@ mod shapes;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use geose_fmap::device::Cpu;
 use geose_fmap::network::{Model, ModelConfig};
 use geose_fmap::pipeline::prepare;
 use geose_fmap::train::atlas::Atlas;
@@ -16,7 +17,7 @@ use geose_fmap::train::run::{Fold, RunConfig, RunError, train};
 use geose_fmap::train::sample::Sample;
 use geose_fmap::train::sample_config::SampleConfig;
 use geose_fmap::{LaplacianKind, PrepareOptions, Progress, Shape, Weights};
-use ndarray::Axis;
+use ndarray::{Array2, Axis};
 use shapes::{Random, Soup, body, icosphere};
 
 fn network() -> ModelConfig {
@@ -235,6 +236,29 @@ fn places_are_found_by_part_labels() {
     let apart = order.iter().zip(&places).map(moved).sum::<f32>() / places.len() as f32;
     assert!(apart < 0.005, "{apart}");
     assert!(atlas.places(Shape::new(man.points().to_vec(), man.faces().to_vec(), None).expect("a mesh")).is_err());
+}
+
+#[test]
+fn a_mirrored_sample_is_that_of_the_mirrored_scan() {
+    let trained = &Model::embedded().networks()[0];
+    let (config, category) = (SampleConfig::of(&trained.weights().config, 1500), trained.category());
+    let scan = scan("man-lunging.ply", in_order);
+    let mirror = |label: &u32| category.parts[*label as usize].mirror as u32;
+    let labels: Vec<u32> = scan.labels().expect("samples have labels").iter().map(mirror).collect();
+    let points: Vec<[f64; 3]> = scan.points().iter().map(|&[x, y, z]| [-x, y, z]).collect();
+    let other = Shape::new(points, vec![], Some(labels)).expect("a cloud");
+    let sample = |scan: Shape, places: &[[f32; 3]]| Sample::new(scan, Some(places), None, &config).expect("a sample");
+    let places = |sign: f32| (0..other.points().len()).map(|i| [sign * i as f32, 1.0, 2.0]).collect::<Vec<_>>();
+    let (plain, wanted) = (sample(scan, &places(1.0)), sample(other.clone(), &places(-1.0)));
+    let found = plain.clone().mirrored(category);
+    assert_eq!(found.labels, wanted.labels);
+    assert_eq!(found.places, wanted.places);
+    assert_eq!(found.clone().mirrored(category), plain);
+    let features = |sample: &Sample| pollster::block_on(trained.embed(&Cpu, &sample.inputs)).0.features;
+    let [plain, found, wanted] = [&plain, &found, &wanted].map(features);
+    let apart = |a: &Array2<f32>, b: &Array2<f32>| (a - b).mapv(|x| x * x).sum() / (a * a).sum();
+    assert!(apart(&wanted, &found) < 1e-3, "{}", apart(&wanted, &found));
+    assert!(apart(&wanted, &plain) > 0.1, "{}", apart(&wanted, &plain));
 }
 
 #[test]

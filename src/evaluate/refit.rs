@@ -1,7 +1,7 @@
 //! Fits the constants of confidence again: what they are fitted to is what `evaluate` measures.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::PathBuf;
 
 use ndarray::{Array1, Array2, ArrayView1};
 
@@ -9,7 +9,7 @@ use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
 use crate::confidence::{Fit, GENERAL, Situation, fit_of_faults, probability};
-use crate::network::{Model, PRIOR, SITUATIONS, Weights};
+use crate::network::{Model, PRIOR, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
 use crate::pipeline::{MatchOptions, Parts, PrepareOptions};
@@ -49,18 +49,19 @@ impl Points {
     }
 }
 
-/// Matches pairs of the set in all modes, with and without refinement and the network. Returns the coefficients that explain best which points are right, as the
+/// Matches pairs of the sets in all modes, with and without refinement and the network. Returns the coefficients that explain best which points are right, as the
 /// source has them, and the weights with those of its own and the prior that belongs to them. `log` is given a line now and then.
 pub fn refit(
-    dataset: &Path,
+    datasets: &[PathBuf],
     limit: Option<usize>,
     model: &Model,
     log: &(dyn Fn(&str) + Sync),
 ) -> Result<(String, Weights), EvaluationError> {
     let (mut points, mut partners): (BTreeMap<Situation, Points>, BTreeMap<Situation, Points>) = Default::default();
-    for mode in [Mode::Mesh, Mode::Cloud, Mode::MeshCloud] {
+    let modes = [Mode::Mesh, Mode::Cloud, Mode::MeshCloud];
+    for (dataset, mode) in datasets.iter().flat_map(|dataset| modes.map(|mode| (dataset, mode))) {
         let task = Task {
-            dataset: dataset.to_owned(),
+            dataset: dataset.clone(),
             pairs: None,
             limit,
             mode,
@@ -121,15 +122,15 @@ pub fn refit(
             }
         }
     }
-    let points = all_situations(points, dataset)?;
+    let points = all_situations(points)?;
     let [trained] = model.networks() else { panic!("one network is fitted at a time") };
     let weights = trained.weights();
     let features = weights.config.feature_columns();
     let mut prior = Array2::<f32>::zeros((features + 1, 2));
     let mut fitted = BTreeMap::new();
-    // Refined maps first: their points say what prior is, and the others take it as it is.
+    // Refined maps of wholes first: their points say what prior is, and the others take it as it is.
     let (best, others): (Vec<_>, Vec<_>) =
-        points.iter().partition(|(s, points)| s.registered && points.width == features);
+        points.iter().partition(|(s, points)| s.registered && !s.pieces && points.width == features);
     for (&situation, points) in best {
         let others = points.others;
         let found = fit_of_faults(&points.right, others + features, |i, row| {
@@ -179,26 +180,23 @@ pub fn refit(
     }
     let mut weights = weights.clone().with(PRIOR, prior.clone());
     let rounded = |coefficients: &Vec<f64>| coefficients.iter().map(|c| (100.0 * c).round() / 100.0).collect();
-    weights.category.confidence = vec![Vec::new(); SITUATIONS];
-    for (situation, coefficients) in fitted.iter().filter(|(situation, _)| situation.learned) {
-        weights.category.confidence[situation.row()] = rounded(coefficients);
-    }
+    let table = |pieces: bool| -> Vec<Vec<f64>> {
+        fitted.iter().filter(|(s, _)| s.learned && s.pieces == pieces).map(|(_, of_cues)| rounded(of_cues)).collect()
+    };
+    (weights.category.confidence, weights.category.confidence_of_pieces) = (table(false), table(true));
+    weights.category.check().map_err(EvaluationError::NotMeasurable)?;
     Ok((text, weights))
 }
 
 /// The points, if there are any of every situation.
-fn all_situations(
-    points: BTreeMap<Situation, Points>,
-    dataset: &Path,
-) -> Result<BTreeMap<Situation, Points>, EvaluationError> {
+fn all_situations(points: BTreeMap<Situation, Points>) -> Result<BTreeMap<Situation, Points>, EvaluationError> {
     let empty = |situation: &Situation| points.get(situation).is_none_or(|points| points.right.is_empty());
-    let missing: Vec<Situation> = Situation::all().filter(empty).collect();
+    let missing: Vec<Situation> = Situation::of_wholes().filter(empty).collect();
     if missing.is_empty() {
         return Ok(points);
     }
     let sentence = format!(
-        "the pairs of {} show nothing of {missing:?}: take more, as only about one in {RARE} is matched without network or refinement",
-        dataset.display()
+        "the pairs show nothing of {missing:?}: take more, as only about one in {RARE} is matched without network or refinement"
     );
     Err(EvaluationError::NotMeasurable(sentence))
 }
@@ -244,20 +242,17 @@ mod tests {
 
     #[test]
     fn a_set_that_lacks_a_situation_is_refused() {
-        assert!(all_situations(seen(Situation::all()), Path::new("tune")).is_ok());
-        let few = seen(Situation::all().filter(|situation| situation.learned || situation.registered));
-        let refused = all_situations(few, Path::new("tune")).err().expect("two are missing").to_string();
-        assert!(
-            refused.contains("tune") && refused.matches("learned: false, registered: false").count() == 2,
-            "{refused}"
-        );
-        let nothing = all_situations(BTreeMap::from([]), Path::new("tune")).err().expect("all are missing");
+        assert!(all_situations(seen(Situation::of_wholes())).is_ok());
+        let few = seen(Situation::of_wholes().filter(|situation| situation.learned || situation.registered));
+        let refused = all_situations(few).err().expect("two are missing").to_string();
+        assert!(refused.matches("learned: false, registered: false").count() == 2, "{refused}");
+        let nothing = all_situations(BTreeMap::from([])).err().expect("all are missing");
         assert_eq!(nothing.to_string().matches("Situation").count(), 8);
     }
 
     #[test]
     fn coefficients_that_were_not_found_are_refused() {
-        let situation = Situation::all().last().expect("some");
+        let situation = Situation::of_wholes().last().expect("some");
         let fit = |last_step| Fit { coefficients: vec![1.0], iterations: 30, last_step };
         assert_eq!(converged(situation, fit(1e-9)).expect("found"), [1.0]);
         let refused = converged(situation, fit(250.0)).expect_err("swinging").to_string();

@@ -44,6 +44,9 @@ pub struct Category {
     /// constant, then cycle, strain and residual, each near and wide, then one per group of `cues`, then that of the prior. Empty where none were fitted.
     #[serde(default)]
     pub confidence: Vec<Vec<f64>>,
+    /// The same where one of the two is a piece. Empty: as between wholes.
+    #[serde(default)]
+    pub confidence_of_pieces: Vec<Vec<f64>>,
 }
 
 /// A part of a body.
@@ -152,9 +155,10 @@ impl Category {
         let row = COMMON + self.cues.len();
         let complete =
             |coefficients: &Vec<f64>| coefficients.len() == row && coefficients.iter().all(|c| c.is_finite());
-        if !(self.confidence.is_empty() || self.confidence.len() == SITUATIONS && self.confidence.iter().all(complete))
-        {
-            return Err(format!("confidence needs {SITUATIONS} rows of {row} numbers, or none"));
+        for table in [&self.confidence, &self.confidence_of_pieces] {
+            if !(table.is_empty() || table.len() == SITUATIONS && table.iter().all(complete)) {
+                return Err(format!("confidence needs {SITUATIONS} rows of {row} numbers, or none"));
+            }
         }
         Ok(())
     }
@@ -247,6 +251,6 @@ mod tests {
         assert!(refused(&|c| c.extent = Some([2.0, 1.0])).contains("extent"));
         assert!(refused(&|c| c.thresholds.certainty = f64::NAN).contains("thresholds"));
         assert!(refused(&|c| c.confidence = vec![vec![0.0; 15]; 3]).contains("4 rows of 15"));
-        assert!(refused(&|c| c.confidence = vec![vec![0.0; 14]; 4]).contains("4 rows of 15"));
+        assert!(refused(&|c| c.confidence_of_pieces = vec![vec![0.0; 14]; 4]).contains("4 rows of 15"));
     }
 }

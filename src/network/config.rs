@@ -134,7 +134,7 @@ impl ModelConfig {
             mask: Mask::Soft,
             solve: Solver::Masked,
             map: shipped_map(),
-            extent: false,
+            extent: true,
         }
     }
 

@@ -46,6 +46,7 @@ pub(super) fn category_of_labels(
         extent: None,
         thresholds: Thresholds { bijectivity: 0.2, certainty: 0.0, contact: 1.0 },
         confidence: Vec::new(),
+        confidence_of_pieces: Vec::new(),
     };
     category.check()?;
     Ok(category)

@@ -16,7 +16,7 @@ use super::losses::LossWeights;
 use super::parameters::Parameters;
 use super::pool::Pool;
 use super::step::{Forward, embed_together};
-use crate::network::{Category, ModelConfig, Network, Weights, WeightsError};
+use crate::network::{Category, ModelConfig, Network, Position, Weights, WeightsError};
 
 /// A part of the bodies: every `of`-th from `held` on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -65,6 +65,8 @@ pub struct RunConfig {
     pub maps_from: usize,
     /// What is minimised.
     pub losses: LossWeights,
+    /// Share of scans that are seen mirrored, for networks that see no coordinates.
+    pub mirrored: f64,
     /// Of parameters and pairs.
     pub seed: u64,
 }
@@ -95,6 +97,7 @@ impl Default for RunConfig {
             clip: 1.0,
             maps_from: 300,
             losses: LossWeights::default(),
+            mirrored: 0.5,
             seed: 1,
         }
     }
@@ -116,6 +119,7 @@ impl RunConfig {
             maps_from: 0,
             name: "paper".to_owned(),
             losses: LossWeights::paper(),
+            mirrored: 0.0,
             ..Self::default()
         }
     }
@@ -242,7 +246,9 @@ pub fn train(
         let mut total = None;
         let mut samples = Vec::with_capacity(2 * run.batch);
         for _ in 0..2 * run.batch {
-            samples.push(pool.get(drawn(bodies, pool, run.fold, &mut rng))?);
+            let sample = pool.get(drawn(bodies, pool, run.fold, &mut rng))?;
+            let mirrored = rng.random::<f64>() < run.mirrored && config.position == Position::Invariant;
+            samples.push(if mirrored { sample.mirrored(&pool.category) } else { sample });
         }
         let (embeddings, statistics) = embed_together(&network, &samples.iter().collect::<Vec<_>>());
         for (pair, of_pair) in samples.as_chunks::<2>().0.iter().zip(embeddings.as_chunks::<2>().0) {

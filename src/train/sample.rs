@@ -10,7 +10,7 @@ use ndarray::Array2;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 
 use super::sample_config::SampleConfig;
-use crate::network::ShapeInputs;
+use crate::network::{Category, ShapeInputs};
 use crate::operators::{LaplacianKind, gradient_around};
 use crate::pipeline::Error;
 use crate::pipeline::PrepareOptions;
@@ -74,6 +74,22 @@ impl Sample {
             .map_err(crate::operators::OperatorError::from)?;
         let inputs = network_inputs(&prepared, &gradient, &config.input);
         Ok(Self { inputs, labels, places, share: share as f32 })
+    }
+
+    /// Of the mirror image of the body, whose left is right: what a network must make of it that sees no coordinates follows from this sample. `category` says which parts are
+    /// mirror images; the atlas is symmetric about x = 0.
+    #[must_use]
+    pub fn mirrored(mut self, category: &Category) -> Self {
+        let inputs = &mut self.inputs;
+        // A tangent frame that is mirrored turns the other way round.
+        let flipped = [inputs.points.column_mut(0), inputs.moments.column_mut(0)];
+        flipped
+            .into_iter()
+            .chain(self.places.as_mut().map(|places| places.column_mut(0)))
+            .for_each(|mut x| x.mapv_inplace(|x| -x));
+        inputs.gradients[1].mapv_inplace(|g| -g);
+        self.labels.iter_mut().for_each(|label| *label = category.parts[*label as usize].mirror as u32);
+        self
     }
 
     /// Writes it as safetensors with f16 values, so that thousands fit on a disk.

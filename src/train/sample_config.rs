@@ -76,7 +76,7 @@ pub struct Scans {
 }
 
 impl SampleConfig {
-    /// For a network, with the operators that ship and no teacher.
+    /// For a network, with the operators and the mixture of scans of the weights that ship, and no teacher.
     pub fn of(network: &ModelConfig, points: usize) -> Self {
         Self {
             category: people(),
@@ -84,18 +84,26 @@ impl SampleConfig {
             spread: quarter(),
             input: network.input(),
             stand: Stand::Random,
-            pieces: 0.0,
-            stylised: 0.0,
-            scans_of_body: one(),
+            pieces: 0.6,
+            stylised: 0.2,
+            scans_of_body: 8,
             laplacian: None,
             teacher: None,
             scans: None,
         }
     }
 
-    /// The paper's, for its network or one that differs in something: N = 5000 (Sec. 4.1), bodies that stand alike, on clouds Algorithm 1 as printed.
+    /// The paper's, for its network or one that differs in something: N = 5000 (Sec. 4.1), whole bodies that stand alike, on clouds Algorithm 1 as printed.
     pub fn paper(network: &ModelConfig) -> Self {
         let laplacian = Some(LaplacianKind::GeodesicLiteral);
-        Self { spread: 0.0, stand: Stand::Alike, laplacian, ..Self::of(network, 5000) }
+        Self {
+            spread: 0.0,
+            stand: Stand::Alike,
+            laplacian,
+            pieces: 0.0,
+            stylised: 0.0,
+            scans_of_body: one(),
+            ..Self::of(network, 5000)
+        }
     }
 }
