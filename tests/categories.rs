@@ -17,6 +17,19 @@ fn embedded() -> &'static Weights {
     Model::embedded().networks()[0].weights()
 }
 
+/// A tensor of the weights that ship, for these of its parts in this order.
+fn with_parts(name: &str, tensor: Array2<f32>, parts: &[usize]) -> Array2<f32> {
+    let all = Model::embedded().networks()[0].category().parts.len();
+    match name {
+        "extent.points.weight" => {
+            let width = tensor.nrows() - all;
+            tensor.select(Axis(0), &(0..width).chain(parts.iter().map(|part| width + part)).collect::<Vec<_>>())
+        }
+        _ if name.starts_with("parts.") => tensor.select(Axis(1), parts),
+        _ => tensor,
+    }
+}
+
 /// The weights that ship under other names: parts in the opposite order, in another language, of another category.
 fn renamed() -> Weights {
     let weights = embedded();
@@ -41,9 +54,7 @@ fn renamed() -> Weights {
         lists.iter_mut().flat_map(|list| list.as_array_mut().expect("a list")).for_each(|part| *part = reversed(part));
     }
     let category = Category::from_json(&json.to_string()).expect("sound");
-    let turned = |name: &str, tensor: Array2<f32>| {
-        if name.starts_with("parts.") { tensor.select(Axis(1), &(0..count).rev().collect::<Vec<_>>()) } else { tensor }
-    };
+    let turned = |name: &str, tensor: Array2<f32>| with_parts(name, tensor, &(0..count).rev().collect::<Vec<_>>());
     let tensors = weights.tensors().map(|(name, tensor)| (name.to_owned(), turned(name, tensor.to_owned())));
     let about = BTreeMap::from([("name".to_owned(), "Koerper".to_owned()), ("version".to_owned(), "7".to_owned())]);
     Weights::new(weights.config.clone(), category, about, tensors.collect())
@@ -71,9 +82,7 @@ fn unfitted() -> Weights {
         "thresholds": { "bijectivity": 0.2, "certainty": 0.0, "contact": 1.0 },
     });
     let category = Category::from_json(&category.to_string()).expect("a category");
-    let three = |name: &str, tensor: Array2<f32>| {
-        if name.starts_with("parts.") { tensor.select(Axis(1), &[0, 1, 8]) } else { tensor }
-    };
+    let three = |name: &str, tensor: Array2<f32>| with_parts(name, tensor, &[0, 1, 8]);
     let tensors = weights.tensors().map(|(name, tensor)| (name.to_owned(), three(name, tensor.to_owned())));
     let about = BTreeMap::from([("name".to_owned(), "own".to_owned()), ("version".to_owned(), "1".to_owned())]);
     Weights::new(weights.config.clone(), category, about, tensors.collect())
@@ -125,7 +134,7 @@ fn a_scan_prepared_with_other_weights_is_refused_by_their_names() {
     for matcher in [&own, &other] {
         let error = matcher.match_shapes(&a, &b, &MatchOptions::default()).expect_err("refused");
         assert_eq!(error.code(), "other-weights");
-        assert!(error.to_string().contains("\"bodies\" 3") && error.to_string().contains("\"Koerper\" 7"), "{error}");
+        assert!(error.to_string().contains("\"bodies\" 4") && error.to_string().contains("\"Koerper\" 7"), "{error}");
     }
     let back = PreparedShape::from_bytes(&b.to_bytes().expect("bytes")).expect("read back");
     assert_eq!(back, b, "a stored scan remembers its weights");

@@ -5,7 +5,7 @@ use super::cues::{Cues, GENERAL};
 use crate::network::SITUATIONS;
 
 /// A constant and one coefficient per general cue of a logistic function, as those of confidence: rows are situations. A point without a partner does not come back to
-/// where it was, or lies off the other surface when the bodies are laid onto each other.
+/// where it was, and the map strains around it; before registration that says little (area under curve 0.6 instead of 0.8).
 ///
 /// Fitted by maximum likelihood to whether the points of held-out pieces have a partner, together with confidence (`src/bin/calibrate.rs`).
 #[rustfmt::skip]
@@ -31,22 +31,20 @@ mod tests {
     use super::overlap;
 
     #[test]
-    fn points_that_do_not_come_back_or_lie_off_the_other_surface_are_alone() {
-        // Signs are kept as roots: the way there and back first, how far the surfaces are apart third; near and wide.
+    fn points_that_do_not_come_back_or_around_which_the_map_strains_are_alone() {
+        // Signs are kept as roots: the way there and back first, strain second; near and wide.
         let mut table = Array2::zeros((3, GENERAL));
         for wide in 0..STEPS.len() {
             table[(1, wide)] = 0.5_f64.sqrt();
-            table[(2, 2 * STEPS.len() + wide)] = 0.3_f64.sqrt();
+            table[(2, STEPS.len() + wide)] = 0.3_f64.sqrt();
         }
         for meshes in [false, true] {
-            let of =
-                |registered| overlap(&Cues { table: table.clone(), registered, meshes, pieces: true, category: None });
-            assert!(
-                matches!(of(true)[..], [has, strays, off] if has > 0.5 && strays < 0.5 && off < 0.5),
-                "{:?}",
-                of(true)
-            );
-            assert!(matches!(of(false)[..], [has, strays, _] if has > 0.5 && strays < 0.5), "{:?}", of(false));
+            for registered in [false, true] {
+                let found = overlap(&Cues { table: table.clone(), registered, meshes, pieces: true, category: None });
+                let expected = matches!(found[..], [has, strays, strained]
+                    if has > 0.6 && strays < has && strained < 0.5 && (strays < 0.5 || !registered));
+                assert!(expected, "{found:?}");
+            }
         }
     }
 }

@@ -117,8 +117,8 @@ pub enum Solver {
 }
 
 impl ModelConfig {
-    /// What training makes unless told otherwise. It has no attention, which was worth nothing that shows, with predicted or with given parts
-    /// (`benches/results/ablations.md`); version 3 of the weights for people still has one layer of width 64.
+    /// What training makes unless told otherwise, and what the weights for people are. It has no attention, which was worth nothing that shows, with predicted or with given parts
+    /// (`benches/results/ablations.md`).
     pub fn shipped() -> Self {
         Self {
             width: 96,
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn a_header_from_before_the_paper_could_be_chosen_is_read_as_it_was() {
         let header = r#"{"width":96,"blocks":4,"eigenpairs":64,"moments":16,"features":128,"position":"invariant","attention":64}"#;
-        let then = ModelConfig { attention: 64, ..ModelConfig::shipped() };
+        let then = ModelConfig { attention: 64, extent: false, ..ModelConfig::shipped() };
         assert_eq!(serde_json::from_str::<ModelConfig>(header).expect("a header"), then);
         let paper = serde_json::to_string(&ModelConfig::paper()).expect("JSON");
         assert_eq!(serde_json::from_str::<ModelConfig>(&paper).expect("a header"), ModelConfig::paper());

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use ndarray::{Array2, s};
+use ndarray::{Array2, Axis, s};
 
 use super::geometry::Carriers;
 use super::{Error, PreparedShape};
@@ -14,9 +14,19 @@ use crate::progress::{Cancelled, Progress, Stage};
 /// A shape with this share of a body's surface is taken for a whole one, and no shape for less of it than the other.
 const NEARLY_WHOLE: f64 = 0.85;
 const LEAST: f64 = 0.05;
+/// What a piece is looked at as: so many times what it is taken for as if it were whole. The most certain look counts. On 48 held-out pieces of five kinds (cuts, few and many holes, single views, boxes) 73, 89,
+/// 71, 67 and 82 % of points had the right of 14 parts when the first guess was believed, 72, 86, 81, 83 and 95 % when it was taken only where that made the network more certain, and with these guesses
+/// 77, 87, 82, 85 and 96 %.
+const GUESSES: [f64; 5] = [1.0, 0.5, 0.7, 1.4, 2.0];
+/// Of the certainty that a category asks of a shape, a piece needs this share: it has fewer marks to be known by. On 48 held-out pieces certainty was 0.69 to 0.97, on one of them
+/// below 0.75; heaps of eggs that were taken for half a person had 0.73.
+const OF_PIECES: f64 = 0.85;
+/// Of the area that a body has of a part, a shape on which it is there has more than this share; and the parts that are there have on a body this share of the shape's at the least.
+const THERE: f64 = 0.1;
+const LARGEST: f64 = 0.5;
 
-/// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with. A piece is looked at twice, as if it were whole and as
-/// what it then turns out to be.
+/// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with. A piece is looked at as if it were whole, and then as
+/// about as much of a body as it is taken for.
 pub(super) async fn ask<D: Device>(
     model: &Model<D>,
     prepared: &mut PreparedShape,
@@ -37,14 +47,20 @@ pub(super) async fn ask<D: Device>(
     let mut seen = Vec::new();
     for index in 0..model.networks().len() {
         prepared.take_for_piece(1.0);
-        let (mut embedding, mut piece) = look(model, index, prepared, &gradient).await?;
+        let (whole, piece) = look(model, index, prepared, &gradient).await?;
         progress.at(Stage::Features, share.end)?;
         // How large the whole body is tells what a limb looks like.
+        let mut best = (whole, piece);
         if piece < 1.0 {
-            prepared.take_for_piece(piece);
-            (embedding, piece) = look(model, index, prepared, &gradient).await?;
+            for factor in GUESSES {
+                prepared.take_for_piece((factor * piece).min(1.0));
+                let closer = look(model, index, prepared, &gradient).await?;
+                if certainty(&closer.0) > certainty(&best.0) {
+                    best = closer;
+                }
+            }
         }
-        seen.push((embedding, piece));
+        seen.push(if is_piece(&best.0, best.1) { best } else { (best.0, 1.0) });
     }
     seen.sort_by(|(x, _), (y, _)| rank(x).0.cmp(&rank(y).0).then(rank(y).1.total_cmp(&rank(x).1)));
     prepared.take_for_piece(seen.first().map_or(1.0, |&(_, piece)| piece));
@@ -76,17 +92,34 @@ async fn look<D: Device>(
     Ok((embedding, if piece < NEARLY_WHOLE { piece.max(LEAST) } else { 1.0 }))
 }
 
+/// Whether a shape may be that much of the surface of a body: its parts are certain enough, and those that are there at all make up for it. What is none of the category is no piece of it.
+fn is_piece(embedding: &PointEmbedding, share: f64) -> bool {
+    let category = &embedding.category;
+    let parts = embedding.parts.mean_axis(Axis(0)).unwrap_or_default();
+    let there = category
+        .parts
+        .iter()
+        .zip(&parts)
+        .filter(|(part, of_points)| f64::from(**of_points) * share > THERE * part.area);
+    let most: f64 = there.map(|(part, _)| part.area).sum();
+    certainty(embedding) >= OF_PIECES * category.thresholds.certainty && most >= LARGEST * share
+}
+
 /// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
 /// parts of the shape are more certain than the category asks for.
 fn rank(embedding: &PointEmbedding) -> (u8, f64) {
-    let share = 1.0 / embedding.parts.nrows().max(1) as f64;
-    let margin = embedding.certainty(std::iter::repeat(share)) - embedding.category.thresholds.certainty;
+    let margin = certainty(embedding) - embedding.category.thresholds.certainty;
     let place = match (embedding.category.knows_others(), margin >= 0.0) {
         (true, true) => 0,
         (false, _) => 1,
         (true, false) => 2,
     };
     (place, margin)
+}
+
+/// How certain a network is of the parts of a shape, every point counting the same.
+fn certainty(embedding: &PointEmbedding) -> f64 {
+    embedding.certainty(std::iter::repeat(1.0 / embedding.parts.nrows().max(1) as f64))
 }
 
 async fn embed<D: Device>(

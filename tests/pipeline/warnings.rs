@@ -8,7 +8,7 @@ fn warns(found: &Match, words: &str) -> bool {
 }
 
 #[test]
-fn a_part_matched_onto_the_whole_is_doubted_and_whole_bodies_are_not() {
+fn a_map_that_changes_lengths_is_doubted_and_whole_bodies_and_pieces_are_not() {
     let [woman, man] = [body(BODIES[0]), body(BODIES[3])];
     let mut upper = soup(&woman);
     let waist = 1.0;
@@ -22,7 +22,8 @@ fn a_part_matched_onto_the_whole_is_doubted_and_whole_bodies_are_not() {
     let [woman, man, upper] = [woman, man, upper.shape()].map(|shape| prepared(shape, &options));
     let doubted = |a: &PreparedShape, b: &PreparedShape| warns(&matched(a, b), "changes lengths");
     assert!(!doubted(&woman, &man) && !doubted(&man, &woman));
-    assert!(doubted(&upper, &man));
+    assert!(!doubted(&upper, &man) && !doubted(&man, &upper));
+    assert!(doubted(&prepared(blob(3).shape(), &options), &man));
 }
 
 #[test]
