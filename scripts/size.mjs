@@ -11,8 +11,8 @@ import { Failure, root } from './run.mjs';
  * worn, held or beside a body, and points in the air) took another 340 kB; pieces, their scale, extent and overlap 10 kB.
  */
 export const BUDGETS = {
-  'with WebGPU': { raw: 3_710_000, gzip: 1_655_000 },
-  'without WebGPU': { raw: 3_360_000, gzip: 1_530_000 },
+  'with WebGPU': { raw: 3_720_000, gzip: 1_660_000 },
+  'without WebGPU': { raw: 3_370_000, gzip: 1_535_000 },
 };
 
 /** Prints the size of a built module against its budget. */

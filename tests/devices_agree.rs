@@ -1,8 +1,9 @@
 //! The GPU computes what the CPU computes, says what it did, and says so when it cannot. Runs on any Vulkan, Metal or DirectX device, also in software.
 #![cfg(all(feature = "gpu", not(target_arch = "wasm32")))]
 
+use geose_fmap::Weights;
 use geose_fmap::device::{Cpu, Device, Gpu, GpuCounters, GpuOptions, Mask};
-use geose_fmap::network::{Model, Network, ShapeInputs};
+use geose_fmap::network::{Model, ModelConfig, Network, ShapeInputs, Source, Start, WeightsError};
 use ndarray::{Array2, array};
 use pollster::block_on;
 
@@ -192,22 +193,33 @@ fn inputs(points: usize) -> ShapeInputs {
     }
 }
 
+/// The weights that ship, and attention, which they have none of.
+struct WithAttention<'a, D>(&'a Weights, &'a D);
+
+impl<D: Device> Source<D::Tensor> for WithAttention<'_, D> {
+    fn tensor(&mut self, name: &str, shape: [usize; 2], start: Start) -> Result<D::Tensor, WeightsError> {
+        let made = || self.1.upload(wavy(shape[0], shape[1], 0.2).view());
+        self.0.on(self.1).tensor(name, shape, start).or_else(|_| Ok(made()))
+    }
+}
+
 #[test]
 fn the_network_says_the_same_and_nothing_comes_back_in_between() {
     let gpu = gpu();
     let weights = Model::embedded().networks()[0].weights();
+    let config = ModelConfig { attention: 64, ..weights.config.clone() };
     let points = 5000;
     let inputs = inputs(points);
     let parts = Array2::from_elem((points, 14), 1.0 / 14.0);
     let keys: Vec<u32> = (0..1024).collect();
 
-    let on_cpu = Network::new(&weights.config, 14, &mut weights.on(&Cpu)).expect("the weights that ship");
+    let on_cpu = Network::new(&config, 14, &mut WithAttention(weights, &Cpu)).expect("the weights that ship");
     let embedding = on_cpu.embed(&Cpu, &inputs.upload(&Cpu));
-    let (features, logits) = (embedding.features, embedding.logits);
+    let (features, logits, extent) = (embedding.features, embedding.logits, embedding.extent.expect("a head"));
     let [compared, _] = on_cpu.compare(&Cpu, [(&features, &parts, &keys); 2]);
 
     let (network, of_weights) =
-        counted(&gpu, || Network::new(&weights.config, 14, &mut weights.on(&gpu)).expect("the weights that ship"));
+        counted(&gpu, || Network::new(&config, 14, &mut WithAttention(weights, &gpu)).expect("the weights that ship"));
     let (on_gpu, of_inputs) = counted(&gpu, || inputs.upload(&gpu));
     let (embedding, of_embedding) = counted(&gpu, || network.embed(&gpu, &on_gpu));
     let on_parts = gpu.upload(parts.view());
@@ -215,15 +227,17 @@ fn the_network_says_the_same_and_nothing_comes_back_in_between() {
     let ([seen, _], of_comparison) =
         counted(&gpu, || network.compare(&gpu, [(&embedding.features, &on_parts, &on_keys); 2]));
     println!("weights {of_weights:?}\ninputs {of_inputs:?}\nembed {of_embedding:?}\ncompare {of_comparison:?}");
-    assert_eq!((of_embedding.uploads, of_embedding.downloads), (0, 0));
-    // One layer in, four blocks, a norm and two layers out.
-    assert_eq!(of_embedding.dispatches, 1 + 4 * 29 + 3);
+    // What the mean over points weighs them with.
+    assert_eq!((of_embedding.uploads, of_embedding.downloads), (1, 0));
+    // One layer in, four blocks, a norm and two layers out; how much of a body there is.
+    assert_eq!(of_embedding.dispatches, 1 + 4 * 29 + 3 + 8);
     // Of each shape the keys' features and parts, and nine more.
     assert_eq!((of_comparison.uploads, of_comparison.downloads, of_comparison.dispatches), (0, 0, 2 * (2 + 9)));
 
     for (name, found, expected) in [
         ("features", &embedding.features, &features),
         ("logits", &embedding.logits, &logits),
+        ("extent", embedding.extent.as_ref().expect("a head"), &extent),
         ("compared", &seen, &compared),
     ] {
         let found = block_on(gpu.download(found));

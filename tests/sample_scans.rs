@@ -84,6 +84,37 @@ fn there_are_four_meshes_of_two_people_and_a_cloud() {
 }
 
 #[test]
+fn pieces_are_what_their_truth_says_of_a_mesh() {
+    let meshes = samples("mesh");
+    let pieces = samples("piece");
+    assert_eq!(pieces.len(), 3);
+    for (file, piece) in pieces {
+        let path = folder().join(file.replace(".ply", ".truth.json"));
+        let truth: Value = serde_json::from_slice(&fs::read(path).expect("committed")).expect("JSON");
+        assert_eq!(truth["piece"], file);
+        let (_, whole) = meshes.iter().find(|(name, _)| truth["of"] == *name).expect("a mesh");
+        let vertices: Vec<usize> = truth["vertices"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(|v| v.as_u64().expect("an index") as usize)
+            .collect();
+        assert_eq!(vertices.len(), piece.points.len(), "{file}");
+        // Vertices of the mesh, or what a depth camera sees beside them.
+        let most = if piece.faces.is_empty() { 0.06 } else { 1e-6 };
+        let apart = vertices.iter().zip(&piece.points).map(|(&v, &p)| length(sub(whole.points[v], p)));
+        assert!(apart.fold(0.0, f64::max) <= most, "{file}");
+        let used: BTreeSet<usize> = vertices.into_iter().collect();
+        assert!((0.15..0.65).contains(&(used.len() as f64 / whole.points.len() as f64)), "{file}: {}", used.len());
+        let inside = piece.faces.iter().all(|face| {
+            let of: BTreeSet<u32> = face.iter().copied().collect();
+            of.len() == 3 && of.into_iter().all(|v| (v as usize) < piece.points.len())
+        });
+        assert!(inside, "{file}");
+    }
+}
+
+#[test]
 fn meshes_share_faces_and_labels() {
     let meshes = samples("mesh");
     for (file, mesh) in &meshes {

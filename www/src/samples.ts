@@ -1,10 +1,10 @@
-/** A body that ships with the page; the meshes share one order of vertices. */
+/** A body or a piece of one that ships with the page; the meshes share one order of vertices. */
 export interface Sample {
   readonly file: string;
   readonly title: string;
   readonly person: string;
   readonly pose: string;
-  readonly kind: 'mesh' | 'cloud';
+  readonly kind: 'mesh' | 'cloud' | 'piece';
 }
 
 /** What ships with the page. */

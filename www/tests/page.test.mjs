@@ -285,6 +285,38 @@ test('how sure the match is stands in sentences, its warnings with it', async ()
   );
 });
 
+test('a bust, a body without legs and one view of a depth camera are matched as what they are', async (t) => {
+  for (const piece of ['woman-bust', 'man-without-legs', 'man-one-view-cloud']) {
+    const other = await open();
+    try {
+      await drop(other, '#drop-a', [`${piece}.ply`, 'woman-standing.ply']);
+      await matched(other);
+      const { targetOf, positions, extents } = await other.evaluate(() => {
+        const { match, shapes } = window.geose;
+        const positions = [...shapes[1].geometry().positions];
+        return { targetOf: [...match.targetOf], positions, extents: shapes.map(({ extent }) => extent) };
+      });
+      assert.match(extents[0] ?? '', /^\d+ % of a body: head/, piece);
+      assert.equal(extents[1] ?? null, null, 'she is whole');
+      assert.match(await other.locator('#scan-facts').textContent(), new RegExp(extents[0]));
+      const { vertices } = JSON.parse(await readFile(join(samples, `${piece}.truth.json`), 'utf8'));
+      assert.equal(targetOf.length, vertices.length);
+      const place = (i) => positions.slice(3 * i, 3 * i + 3);
+      const apart = targetOf.flatMap((target, i) => {
+        if (target === unmatched) return [];
+        const [p, q] = [place(target), place(vertices[i])];
+        return [Math.hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2])];
+      });
+      assert.ok(apart.length > 0.9 * vertices.length, `${piece}: ${apart.length} of ${vertices.length} are matched`);
+      const mean = apart.reduce((sum, each) => sum + each, 0) / apart.length;
+      t.diagnostic(`${piece}: ${extents[0]}; ${(100 * mean).toFixed(1)} cm off`);
+      assert.ok(mean < 0.06, `${piece} is ${mean} m off`);
+    } finally {
+      await other.context().close();
+    }
+  }
+});
+
 test('the bodies are exported with the colours on show, in their own order, place and unit', async () => {
   const { targetOf } = await mapOf(page);
   const a = readPly(await exported(page, '#export-a-ply'));

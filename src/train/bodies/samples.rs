@@ -1,5 +1,6 @@
-//! The sample scans that come with the page: two people, five poses.
+//! The sample scans that come with the page: two people, five poses, and three pieces.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,6 +10,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
+use super::camera::Camera;
 use super::cloud::{farthest_points, nearest, uniform_points};
 use super::data::DataError;
 use super::parts::PARTS;
@@ -54,7 +56,7 @@ pub fn write_samples(model: &BodyModel, out: &Path) -> Result<Vec<String>, Sampl
     for sample in &MESHES {
         let points = template.pick(&sample.body(model)?);
         let file = format!("{}.ply", sample.stem());
-        save(&file, ply(&points, Some(&template)))?;
+        save(&file, ply(&points, Some((&template.triangles, &template.labels))))?;
         entries.push(sample.entry(&file, "mesh", points.len(), template.triangles.len()));
     }
 
@@ -69,6 +71,18 @@ pub fn write_samples(model: &BodyModel, out: &Path) -> Result<Vec<String>, Sampl
     entry["truth"] = json!(truth);
     entries.push(entry);
 
+    for piece in &PIECES {
+        let Cut { points, triangles, vertices } = piece.cut(&template.pick(&piece.of.body(model)?), &template);
+        let labels: Vec<u32> = vertices.iter().map(|&v| template.labels[v as usize]).collect();
+        let (file, truth) = (format!("{}.ply", piece.name), format!("{}.truth.json", piece.name));
+        let whole = format!("{}.ply", piece.of.stem());
+        save(&file, ply(&points, (!triangles.is_empty()).then_some((&triangles, &labels))))?;
+        save(&truth, format!("{}\n", json!({ "piece": file, "of": whole, "vertices": vertices })).into_bytes())?;
+        let mut entry = piece.of.entry(&file, "piece", points.len(), triangles.len());
+        (entry["title"], entry["of"], entry["truth"]) = (json!(piece.title), json!(whole), json!(truth));
+        entries.push(entry);
+    }
+
     let manifest = json!({ "license": "CC0-1.0", "credits": CREDITS, "unit": "metre", "up": "y", "parts": PARTS, "samples": entries });
     save("samples.json", format!("{manifest:#}\n").into_bytes())?;
     Ok(files)
@@ -81,7 +95,7 @@ struct Sample {
     title: &'static str,
 }
 
-const MESHES: [Sample; 4] = [
+static MESHES: [Sample; 4] = [
     Sample { person: ("woman", woman), pose: ("standing", standing), title: "Woman, standing" },
     Sample { person: ("woman", woman), pose: ("striding", striding), title: "Woman, striding" },
     Sample { person: ("man", man), pose: ("standing", standing), title: "Man, standing" },
@@ -89,6 +103,71 @@ const MESHES: [Sample; 4] = [
 ];
 const CLOUD: Sample =
     Sample { person: ("woman", woman), pose: ("greeting", greeting), title: "Woman, greeting (points only)" };
+
+/// What is left of a sample, or seen of it.
+struct Piece {
+    of: &'static Sample,
+    name: &'static str,
+    title: &'static str,
+    kind: PieceKind,
+}
+
+#[derive(Clone, Copy)]
+enum PieceKind {
+    /// What is above this share of the height.
+    Above(f64),
+    /// The parts before this one.
+    Before(u32),
+    /// Points that a depth camera sees that stands so many radians from the front.
+    SeenFrom(f64),
+}
+
+static PIECES: [Piece; 3] = [
+    Piece { of: &MESHES[1], name: "woman-bust", title: "Woman, bust", kind: PieceKind::Above(0.7) },
+    Piece { of: &MESHES[2], name: "man-without-legs", title: "Man, without legs", kind: PieceKind::Before(8) },
+    Piece {
+        of: &MESHES[3],
+        name: "man-one-view-cloud",
+        title: "Man, one view of a depth camera",
+        kind: PieceKind::SeenFrom(0.3),
+    },
+];
+/// Metres to the depth camera.
+const OFF: f64 = 2.5;
+
+/// A piece, and which vertices of the whole its points are or lie next to.
+struct Cut {
+    points: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    vertices: Vec<u32>,
+}
+
+impl Piece {
+    fn cut(&self, whole: &[DVec3], template: &Template) -> Cut {
+        let height = whole.iter().map(|p| p.y).fold(0.0, f64::max);
+        let kept = |v: u32| match self.kind {
+            PieceKind::Above(share) => whole[v as usize].y > share * height,
+            PieceKind::Before(part) => template.labels[v as usize] < part,
+            PieceKind::SeenFrom(_) => true,
+        };
+        if let PieceKind::SeenFrom(azimuth) = self.kind {
+            let camera = Camera::around(DVec3::Y * 0.5 * height, azimuth, OFF);
+            let seen = camera.sees(whole, &template.triangles, &mut ChaCha8Rng::seed_from_u64(SEED));
+            let (points, vertices): (Vec<_>, Vec<_>) =
+                seen.iter().filter_map(|pixel| pixel.vertex.map(|v| (pixel.place, v))).unzip();
+            let thinned = farthest_points(&points, POINTS).into_iter();
+            let (points, vertices) = thinned.map(|i| (points[i], vertices[i])).unzip();
+            return Cut { points, triangles: Vec::new(), vertices };
+        }
+        let mut triangles: Vec<[u32; 3]> =
+            template.triangles.iter().filter(|t| t.iter().all(|&v| kept(v))).copied().collect();
+        let vertices: BTreeSet<u32> = triangles.as_flattened().iter().copied().collect();
+        let vertices: Vec<u32> = vertices.into_iter().collect();
+        let row = |v: u32| vertices.binary_search(&v).expect("a vertex of the piece") as u32;
+        triangles.as_flattened_mut().iter_mut().for_each(|v| *v = row(*v));
+        Cut { points: vertices.iter().map(|&v| whole[v as usize]).collect(), triangles, vertices }
+    }
+}
 
 impl Sample {
     fn stem(&self) -> String {
@@ -108,9 +187,9 @@ impl Sample {
 }
 
 /// A PLY file in memory: a mesh with labels, or bare points.
-fn ply(points: &[DVec3], mesh: Option<&Template>) -> Vec<u8> {
+fn ply(points: &[DVec3], mesh: Option<(&[[u32; 3]], &[u32])>) -> Vec<u8> {
     let mut comments = vec![format!("{CREDITS} License: CC0 1.0."), "y up, metres".to_owned()];
-    let (triangles, labels) = mesh.map_or((&[][..], None), |t| (&t.triangles[..], Some(&t.labels[..])));
+    let (triangles, labels) = mesh.map_or((&[][..], None), |(triangles, labels)| (triangles, Some(labels)));
     if mesh.is_some() {
         comments.push(format!("labels: {}", PARTS.join(", ")));
     }
