@@ -77,10 +77,10 @@ describe('a body in shells', () => {
     const aside = { ...ball, positions: moved(ball.positions, ([x, y, z]) => [x + 1.4, y, z]) };
     const scan = together(sphere(20), aside);
     const points = scan.positions.length / 3;
-    const whole = await matcher.prepare(scan, { eigenpairs: 20 });
+    const whole = await matcher.prepare(scan, { eigenpairs: 20, wholeScan: true });
     hasRowsOfItsPoints(whole, points);
     assert.ok(whole.info.pointsUsed > points);
-    const sampled = await matcher.prepare(scan, { eigenpairs: 20, points: 1000 });
+    const sampled = await matcher.prepare(scan, { eigenpairs: 20, points: 1000, wholeScan: true });
     hasRowsOfItsPoints(sampled, points);
     assert.equal(sampled.info.pointsUsed, 1000);
   });

@@ -44,7 +44,7 @@ describe("weights of one's own", () => {
     assert.equal(theirs.report.category, 'people');
     await assert.rejects(usual.match(c, b), (error) => {
       assert.ok(error instanceof GeoSeError && error.code === 'other-weights', error.message);
-      assert.match(error.message, /"eigene" 7.*"bodies" 3/);
+      assert.match(error.message, /"eigene" 7.*"bodies" 4/);
       return true;
     });
   });

@@ -10,6 +10,7 @@ use crate::device::{Cpu, Device, Interrupted, still_well};
 use crate::network::{InputConfig, Model, PointEmbedding, ShapeInputs, TrainedNetwork};
 use crate::operators::{EdgeFilter, Gradient, gradient_around};
 use crate::progress::{Cancelled, Progress, Stage};
+use crate::shape::is_closed;
 
 /// A shape with this share of a body's surface is taken for a whole one, and no shape for less of it than the other.
 const NEARLY_WHOLE: f64 = 0.85;
@@ -49,7 +50,8 @@ pub(super) async fn ask<D: Device>(
         prepared.take_for_piece(1.0);
         let (whole, piece) = look(model, index, prepared, &gradient).await?;
         progress.at(Stage::Features, share.end)?;
-        // How large the whole body is tells what a limb looks like.
+        // A surface without an end is whole, as nothing that the network learned from was cut and closed again. How large the whole body is tells what a limb looks like.
+        let piece = if piece < 1.0 && is_closed(carriers.shape.faces()) { 1.0 } else { piece };
         let mut best = (whole, piece);
         if piece < 1.0 {
             for factor in GUESSES {

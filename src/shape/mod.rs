@@ -1,6 +1,7 @@
 //! A scan, validated once: points, optional triangles, optional part labels.
 
 mod axis;
+mod closed;
 mod error;
 mod faces;
 mod orientation;
@@ -39,6 +40,7 @@ pub use steps::{COARSE_NUMBERS, coarse_steps};
 pub use strays::{Strays, set_strays_aside, thin_parts};
 pub use support::{MESH_LIMIT, Support, support};
 
+pub(crate) use closed::is_closed;
 pub(crate) use repair::counted;
 
 use weld::{first_at_place, joined, weld, welded};

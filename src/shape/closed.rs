@@ -1,0 +1,22 @@
+//! Whether a surface ends anywhere.
+
+/// Whether there are faces, and every edge of them is in two or more.
+pub(crate) fn is_closed(faces: &[[u32; 3]]) -> bool {
+    let mut edges: Vec<[u32; 2]> =
+        faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[u, v]| [u.min(v), u.max(v)]).collect();
+    edges.sort_unstable();
+    !faces.is_empty() && edges.chunk_by(|one, other| one == other).all(|same| same.len() > 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_closed;
+
+    #[test]
+    fn a_tetrahedron_is_closed_until_a_face_is_gone() {
+        let faces = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+        assert!(is_closed(&faces));
+        assert!(!is_closed(&faces[1..]));
+        assert!(!is_closed(&[]));
+    }
+}
