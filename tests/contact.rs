@@ -91,7 +91,7 @@ fn a_hand_on_the_hip_stays_a_hand() {
         let found = match_shapes(shape, &target, &MatchOptions::default(), &mut Progress::silent()).expect("matched");
         off(&found.a_to_b, &free, hand)
     });
-    assert!(errors[0] < 0.9 * errors[1], "{errors:?}");
+    assert!(errors[0] < 0.8 * errors[1], "{errors:?}");
 }
 
 #[test]

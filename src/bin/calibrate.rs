@@ -18,7 +18,7 @@ use geose_fmap::train::refit;
 #[command(about = "Fits the constants of confidence to sets of bodies")]
 struct Arguments {
     /// A set that `bodies set` wrote; several may be given.
-    #[arg(long)]
+    #[arg(long, required = true)]
     dataset: Vec<PathBuf>,
     /// Only that many pairs of each.
     #[arg(long)]

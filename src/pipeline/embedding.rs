@@ -52,17 +52,22 @@ pub(super) async fn ask<D: Device>(
         progress.at(Stage::Features, share.end)?;
         // A surface without an end is whole, as nothing that the network learned from was cut and closed again. How large the whole body is tells what a limb looks like.
         let piece = if piece < 1.0 && is_closed(carriers.shape.faces()) { 1.0 } else { piece };
-        let mut best = (whole, piece);
+        let mut closest: Option<(PointEmbedding, f64)> = None;
         if piece < 1.0 {
             for factor in GUESSES {
                 prepared.take_for_piece((factor * piece).min(1.0));
                 let closer = look(model, index, prepared, &gradient).await?;
-                if certainty(&closer.0) > certainty(&best.0) {
-                    best = closer;
+                if certainty(&closer.0) > certainty(closest.as_ref().map_or(&whole, |(embedding, _)| embedding)) {
+                    closest = Some(closer);
                 }
             }
         }
-        seen.push(if is_piece(&best.0, best.1) { best } else { (best.0, 1.0) });
+        // What is no piece is seen as whole.
+        seen.push(match closest {
+            Some(closer) if is_piece(&closer.0, closer.1) => closer,
+            None if is_piece(&whole, piece) => (whole, piece),
+            _ => (whole, 1.0),
+        });
     }
     seen.sort_by(|(x, _), (y, _)| rank(x).0.cmp(&rank(y).0).then(rank(y).1.total_cmp(&rank(x).1)));
     prepared.take_for_piece(seen.first().map_or(1.0, |&(_, piece)| piece));
@@ -104,7 +109,7 @@ fn is_piece(embedding: &PointEmbedding, share: f64) -> bool {
         .zip(&parts)
         .filter(|(part, of_points)| f64::from(**of_points) * share > THERE * part.area);
     let most: f64 = there.map(|(part, _)| part.area).sum();
-    certainty(embedding) >= OF_PIECES * category.thresholds.certainty && most >= LARGEST * share
+    share < 1.0 && certainty(embedding) >= OF_PIECES * category.thresholds.certainty && most >= LARGEST * share
 }
 
 /// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
@@ -158,4 +163,33 @@ pub(crate) fn network_inputs(prepared: &PreparedShape, gradient: &Gradient, conf
     });
     let [along, across] = &gradients;
     ShapeInputs::new(&matchable.basis, [along.view(), across.view()], matchable.points.view(), extent, config)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_has_parts_that_make_up_for_it_and_is_certain_of_them() {
+        let trained = &Model::embedded().networks()[0];
+        let category = trained.category();
+        // Ten points of each of these parts, with this certainty.
+        let seen = |parts: &[usize], certainty: f32| {
+            let rest = (1.0 - certainty) / (category.parts.len() - 1) as f32;
+            let of = |(i, part)| if parts[i / 10] == part { certainty } else { rest };
+            PointEmbedding {
+                weights: trained.id().clone(),
+                category: category.clone(),
+                features: Array2::zeros((10 * parts.len(), 1)),
+                parts: Array2::from_shape_fn((10 * parts.len(), category.parts.len()), of),
+            }
+        };
+        let above_the_waist: Vec<usize> = (0..8).collect();
+        assert!(is_piece(&seen(&above_the_waist, 0.95), 0.5));
+        assert!(!is_piece(&seen(&above_the_waist, 0.6), 0.5), "not certain");
+        assert!(!is_piece(&seen(&above_the_waist, 0.95), 1.0), "whole");
+        // A ball is all head.
+        assert!(is_piece(&seen(&[0], 0.95), 0.1));
+        assert!(!is_piece(&seen(&[0], 0.95), 0.7));
+    }
 }
