@@ -55,20 +55,21 @@ fn share(found: &Match, expected: &Match) -> f64 {
     same as f64 / both.iter().map(|(f, _)| f.target.len()).sum::<usize>() as f64
 }
 
-/// One pair on both devices, from the scans on. `truth` are pairs of points that correspond; errors are measured on B, a mesh.
+/// One pair on both devices, from the scans on. `truth` are pairs of points that correspond; errors are measured on B, a mesh. With each refinement stands the share of
+/// points that must have the same target.
 fn agrees(
     model: &Model<Gpu>,
     name: &str,
     [a, b]: [&Shape; 2],
     options: PrepareOptions,
     truth: &[(u32, u32)],
-    refinements: &[Refinement],
+    refinements: &[(Refinement, f64)],
 ) {
     let distances = EdgeDistances::new(b);
     let (on_gpu, of_prepare) = counted(model, || [a, b].map(|shape| prepared_on(model, shape, &options)));
     println!("{name}, prepared: {of_prepare:?}");
     let on_cpu = [a, b].map(|shape| prepared(shape.clone(), &options));
-    for &refine in refinements {
+    for &(refine, least) in refinements {
         let options = MatchOptions { refine, ..MatchOptions::default() };
         let (found, of_match) = counted(model, || matched_on(model, [&on_gpu[0], &on_gpu[1]], &options));
         let expected = matched(&on_cpu[0], &on_cpu[1], &options);
@@ -79,11 +80,13 @@ fn agrees(
             mean_error(&distances, &known)
         };
         let (same, of_gpu, of_cpu) = (share(&found, &expected), error(&found), error(&expected));
+        let targets: Vec<_> = found.a_to_b.target.iter().copied().zip(expected.a_to_b.target.iter().copied()).collect();
+        let apart = mean_error(&distances, &targets);
         println!(
-            "{name}, {refine:?}: {:.2} % the same, errors {of_gpu:.3} and {of_cpu:.3}; {of_match:?}",
+            "{name}, {refine:?}: {:.2} % the same, {apart:.4} apart, errors {of_gpu:.3} and {of_cpu:.3}; {of_match:?}",
             100.0 * same
         );
-        assert!(same >= 0.995, "{name}, {refine:?}: {same} of the points are the same");
+        assert!(same >= least && apart <= 0.05, "{name}, {refine:?}: {same} of the points are the same, {apart} apart");
         assert!((of_gpu - of_cpu).abs() <= 0.02, "{name}, {refine:?}: errors {of_gpu} and {of_cpu}");
     }
 }
@@ -93,16 +96,19 @@ fn people_are_matched_as_on_the_cpu() {
     let model = on_gpu();
     let [woman, man, striding] = ["woman-standing.ply", "man-lunging.ply", "woman-striding.ply"].map(body);
     let by_index: Vec<(u32, u32)> = (0..woman.points().len() as u32).map(|i| (i, i)).collect();
-    let every = [Refinement::Best, Refinement::ZoomOut, Refinement::None];
+    let every = [Refinement::Best, Refinement::ZoomOut, Refinement::None].map(|refine| (refine, 0.995));
     // Half of the points: a GPU in software takes minutes for all of them, which only `faust_scans_are_matched_as_on_the_cpu` matches, where that set is.
     let half = |faces| PrepareOptions { points: 2500, faces, ..PrepareOptions::default() };
     agrees(&model, "meshes", [&woman, &man], half(FaceUse::Use), &by_index, &every);
-    agrees(&model, "clouds", [&striding, &man], half(FaceUse::Ignore), &by_index, &[Refinement::Best]);
+    agrees(&model, "clouds", [&striding, &man], half(FaceUse::Ignore), &by_index, &every[..1]);
     let cloud = woman.without_faces();
-    agrees(&model, "cloud and mesh", [&cloud, &striding], half(FaceUse::Use), &by_index, &[Refinement::Best]);
+    agrees(&model, "cloud and mesh", [&cloud, &striding], half(FaceUse::Use), &by_index, &every[..1]);
     assert_eq!(geose_fmap::device::Device::failure(model.device()), None);
 }
 
+/// Rounds of registration each choose nearest points anew, and make more of a rounding in every round: on the CPU alone, vertices of three such pairs moved by a
+/// ten-millionth of a metre leave 80 to 99.7 % of the refined targets the same, 0.004 to 0.15 cm apart in the mean. What kernels make of a pair is therefore told by
+/// the maps before the rounds; after them by how far apart the two answers are.
 #[test]
 #[ignore = "needs the evaluation sets: set GEOSE_EVAL_DIR and pass --include-ignored"]
 fn faust_scans_are_matched_as_on_the_cpu() {
@@ -123,7 +129,7 @@ fn faust_scans_are_matched_as_on_the_cpu() {
             [&of_a, &of_b],
             PrepareOptions { faces, ..PrepareOptions::default() },
             &truth,
-            &[Refinement::Best],
+            &[(Refinement::None, 0.995), (Refinement::ZoomOut, 0.995), (Refinement::Best, 0.95)],
         );
     }
 }

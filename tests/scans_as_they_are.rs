@@ -482,6 +482,11 @@ fn floors_boxes_and_other_people_are_set_aside() {
                 error <= 1.5 * usual.max(0.3) && lost < 0.005,
                 "{name}, cloud {as_cloud}: {error} cm, {usual} alone, {lost}"
             );
+            if *name == "a floor" {
+                let aside = shape.repairs.iter().find(|repair| repair.code == *code).map_or(0, |repair| repair.count);
+                let low = STANDING.points.iter().filter(|point| point[1] < 0.01).count();
+                assert!(aside <= thing.0.len() + low, "{aside} points go, {low} of the body lie on the floor");
+            }
         }
     }
     // Who wants all of it gets all of it.

@@ -115,7 +115,8 @@ pub fn proposals(shape: &Shape, aside: &Aside) -> Vec<Proposal> {
 type Sample = ([f64; 3], u32);
 
 /// Evenly spread points of a scan.
-struct Scene {
+struct Scene<'s> {
+    uploaded: &'s [[f64; 3]],
     places: Vec<[f64; 3]>,
     neighbours: Neighbours,
     spacing: f64,
@@ -125,8 +126,8 @@ struct Scene {
     piece: Vec<u32>,
 }
 
-impl Scene {
-    fn new(shape: &Shape, aside: &Aside) -> Self {
+impl<'s> Scene<'s> {
+    fn new(shape: &'s Shape, aside: &Aside) -> Self {
         let kept = |i: u32| aside.leaves(i);
         let n = shape.points().len();
         let (spacing, piece): (f64, Vec<u32>);
@@ -152,7 +153,7 @@ impl Scene {
         }
         let (places, probe_of) = one_per_cell(&all, spacing);
         let neighbours = nearest_neighbours(&places, AROUND);
-        Self { places, neighbours, spacing, probe_of, piece }
+        Self { uploaded: shape.points(), places, neighbours, spacing, probe_of, piece }
     }
 
     /// Proposals to leave out flat patches.
@@ -172,7 +173,11 @@ impl Scene {
             let beyond = |i: usize| side * patch.height(self.places[i]) < self.spacing * 0.5;
             let gone: Vec<bool> =
                 gone.iter().enumerate().map(|(i, &gone)| gone || beyond(i) && self.near(patch, i)).collect();
-            found.extend(self.proposal(LeftOut::Floor, &gone));
+            let raised = |point: [f64; 3], probe: u32| {
+                side * patch.height(point) > (CRISP * self.spacing).max(BY_CHANCE * patch.noise)
+                    && self.neighbours.of(probe as usize).iter().any(|&j| !gone[j as usize])
+            };
+            found.extend(self.proposal(LeftOut::Floor, &gone, raised));
         }
         patches.retain(flat);
         let share = patches.iter().map(|patch| patch.points.len()).sum::<usize>() as f64 / self.places.len() as f64;
@@ -181,7 +186,7 @@ impl Scene {
             // Legs and rims that hang on nothing any more go, too.
             let (things, largest) = self.things(&gone);
             gone.iter_mut().zip(things).for_each(|(gone, thing)| *gone |= thing != largest);
-            found.extend(self.proposal(LeftOut::Furniture, &gone));
+            found.extend(self.proposal(LeftOut::Furniture, &gone, |_, _| false));
         }
         found
     }
@@ -279,14 +284,15 @@ impl Scene {
         }
         let alone = |&(_, body): &(usize, u32)| {
             let gone: Vec<bool> = thing.iter().map(|&thing| thing != body).collect();
-            self.proposal(LeftOut::OtherThings, &gone)
+            self.proposal(LeftOut::OtherThings, &gone, |_, _| false)
         };
         let body = |&&(size, _): &&(usize, u32)| size as f64 >= BODY * self.places.len() as f64;
         by_size.iter().filter(body).take(TRIED).filter_map(alone).collect()
     }
 
-    /// In uploaded points. Pieces of a mesh stay whole where it is clear that they go or stay.
-    fn proposal(&self, what: LeftOut, gone: &[bool]) -> Option<Proposal> {
+    /// In uploaded points. Pieces of a mesh stay whole where it is clear that they go or stay; elsewhere points stay of which, and of their probe, `stays` says so:
+    /// a probe stands for all points of its cell, soles and the floor below them.
+    fn proposal(&self, what: LeftOut, gone: &[bool], stays: impl Fn([f64; 3], u32) -> bool) -> Option<Proposal> {
         let mut of_piece: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
         let piece = |i: u32| self.piece[i as usize];
         for &(i, probe) in &self.probe_of {
@@ -301,7 +307,7 @@ impl Scene {
             } else if of_piece.len() > 1 && share < 1.0 - MOSTLY {
                 false
             } else {
-                gone[probe as usize]
+                gone[probe as usize] && !stays(self.uploaded[i as usize], probe)
             }
         };
         let mut points: Vec<u32> = self.probe_of.iter().filter(|&pair| goes(pair)).map(|&(i, _)| i).collect();
