@@ -177,7 +177,7 @@ impl<'s> Scene<'s> {
                 side * patch.height(point) > (CRISP * self.spacing).max(BY_CHANCE * patch.noise)
                     && self.neighbours.of(probe as usize).iter().any(|&j| !gone[j as usize])
             };
-            found.extend(self.proposal(LeftOut::Floor, &gone, raised));
+            found.extend(self.proposal(LeftOut::Floor, &gone, &raised));
         }
         patches.retain(flat);
         let share = patches.iter().map(|patch| patch.points.len()).sum::<usize>() as f64 / self.places.len() as f64;
@@ -186,7 +186,7 @@ impl<'s> Scene<'s> {
             // Legs and rims that hang on nothing any more go, too.
             let (things, largest) = self.things(&gone);
             gone.iter_mut().zip(things).for_each(|(gone, thing)| *gone |= thing != largest);
-            found.extend(self.proposal(LeftOut::Furniture, &gone, |_, _| false));
+            found.extend(self.proposal(LeftOut::Furniture, &gone, &|_, _| false));
         }
         found
     }
@@ -284,7 +284,7 @@ impl<'s> Scene<'s> {
         }
         let alone = |&(_, body): &(usize, u32)| {
             let gone: Vec<bool> = thing.iter().map(|&thing| thing != body).collect();
-            self.proposal(LeftOut::OtherThings, &gone, |_, _| false)
+            self.proposal(LeftOut::OtherThings, &gone, &|_, _| false)
         };
         let body = |&&(size, _): &&(usize, u32)| size as f64 >= BODY * self.places.len() as f64;
         by_size.iter().filter(body).take(TRIED).filter_map(alone).collect()
@@ -292,7 +292,7 @@ impl<'s> Scene<'s> {
 
     /// In uploaded points. Pieces of a mesh stay whole where it is clear that they go or stay; elsewhere points stay of which, and of their probe, `stays` says so:
     /// a probe stands for all points of its cell, soles and the floor below them.
-    fn proposal(&self, what: LeftOut, gone: &[bool], stays: impl Fn([f64; 3], u32) -> bool) -> Option<Proposal> {
+    fn proposal(&self, what: LeftOut, gone: &[bool], stays: &dyn Fn([f64; 3], u32) -> bool) -> Option<Proposal> {
         let mut of_piece: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
         let piece = |i: u32| self.piece[i as usize];
         for &(i, probe) in &self.probe_of {
