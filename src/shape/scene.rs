@@ -173,8 +173,10 @@ impl<'s> Scene<'s> {
             let beyond = |i: usize| side * patch.height(self.places[i]) < self.spacing * 0.5;
             let gone: Vec<bool> =
                 gone.iter().enumerate().map(|(i, &gone)| gone || beyond(i) && self.near(patch, i)).collect();
+            let coarse = self.probe_of.len() > 2 * self.places.len();
             let raised = |point: [f64; 3], probe: u32| {
-                side * patch.height(point) > (CRISP * self.spacing).max(BY_CHANCE * patch.noise)
+                coarse
+                    && side * patch.height(point) > (CRISP * self.spacing).max(BY_CHANCE * patch.noise)
                     && self.neighbours.of(probe as usize).iter().any(|&j| !gone[j as usize])
             };
             found.extend(self.proposal(LeftOut::Floor, &gone, &raised));
@@ -291,7 +293,7 @@ impl<'s> Scene<'s> {
     }
 
     /// In uploaded points. Pieces of a mesh stay whole where it is clear that they go or stay; elsewhere points stay of which, and of their probe, `stays` says so:
-    /// a probe stands for all points of its cell, soles and the floor below them.
+    /// where probes are far fewer than points, one stands for soles and the floor below them.
     fn proposal(&self, what: LeftOut, gone: &[bool], stays: &dyn Fn([f64; 3], u32) -> bool) -> Option<Proposal> {
         let mut of_piece: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
         let piece = |i: u32| self.piece[i as usize];
