@@ -64,11 +64,12 @@ struct Near {
     errors: f64,
 }
 
+/// What kernels that agree leave.
 const SAME: Near = Near { same: 0.995, apart: 0.02, errors: 0.02 };
 
-/// Rounds of registration each choose nearest points anew, and make more of a rounding in every round, until a hand lies a little further along its arm: on the CPU alone,
-/// vertices of three pairs of faust_r moved by a ten-millionth of a metre leave 80 to 99.7 % of the refined targets the same, 0.003 to 0.11 apart in the mean. So what
-/// kernels make of such a pair is told by the maps before the rounds.
+/// After rounds of registration, which choose nearest points anew each time, a rounding may be a region that went elsewhere: on the CPU alone, vertices of three pairs of
+/// faust_r moved by a ten-millionth of a metre leave 80 to 99.7 % of the refined targets the same, 0.003 to 0.11 apart in the mean. So what kernels make of such a
+/// pair is told by the maps before the rounds.
 const AS_ROUNDING: Near = Near { same: 0.95, apart: 0.15, errors: 0.1 };
 
 /// One pair on both devices, from the scans on. `truth` are pairs of points that correspond; errors are measured on B, a mesh.
