@@ -29,11 +29,14 @@ const TEST = `
     writeFileSync('outcome.json', JSON.stringify(told));
   });
 `;
+/** Milliseconds that a test may take. The runners stop one after five seconds, which a busy machine needs for it. */
+const PATIENCE = 60_000;
 const CONFIGURATIONS = {
   'map.test.js': TEST,
-  'jest.config.js': "export default { testEnvironment: 'jsdom', transform: {} };\n",
+  'jest.config.js': `export default { testEnvironment: 'jsdom', testTimeout: ${PATIENCE}, transform: {} };\n`,
   'vitest.config.js': `
-    const inPool = (pool) => ({ test: { name: pool, pool, environment: 'jsdom', globals: true, include: ['map.test.js'] } });
+    const shared = { environment: 'jsdom', globals: true, include: ['map.test.js'], testTimeout: ${PATIENCE} };
+    const inPool = (pool) => ({ test: { ...shared, name: pool, pool } });
     export default { test: { projects: ['forks', 'vmThreads'].map(inPool) } };
   `,
 };
