@@ -41,7 +41,7 @@ const paper = (changes = {}) => ({ paper: true, points: '1500', laplacian: 'geod
 export const VARIANTS = {
   'as it ships': { parts: ['predicted', 'given'] },
   'from labels and places': { teacher: 'data/weights/people.safetensors' },
-  'without L_sem': losses({ semantic: 0 }),
+  'with L_sem': losses({ semantic: 0.5 }),
   'with orthogonality': losses({ orthogonality: 1 }),
   'without bijectivity': losses({ bijectivity: 0 }),
   'without coupling to the point map': losses({ coupling: 0 }),

@@ -77,7 +77,7 @@ struct Arguments {
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..))]
     folds: Option<u32>,
     /// A JSON list of objects with fields of the losses that differ, one for each candidate of `--folds`.
-    #[arg(long, default_value = r#"[{}, {"semantic": 0}, {"semantic": 1}, {"orthogonality": 1}, {"coupling": 2}]"#)]
+    #[arg(long, default_value = r#"[{}, {"semantic": 0.5}, {"orthogonality": 1}, {"coupling": 2}]"#)]
     candidates: String,
     /// Stop after so many minutes; the same command goes on.
     #[arg(long, default_value_t = f64::INFINITY)]

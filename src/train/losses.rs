@@ -28,7 +28,7 @@ pub struct LossWeights {
     pub near_weight: f64,
     /// Squared error of the logarithm of the extent, of networks that say how much of a body there is.
     pub extent: f64,
-    /// L_sem (paper Sec. 3.4.2).
+    /// L_sem (paper Sec. 3.4.2). Nothing by default: it was worth nothing that shows at equal steps (`benches/results/ablations.md`).
     pub semantic: f64,
     /// L_geo (paper Sec. 3.4.1).
     pub eigen: f64,
@@ -51,7 +51,7 @@ impl Default for LossWeights {
             places: 1.0,
             near_weight: 0.5,
             extent: 2.0,
-            semantic: 0.5,
+            semantic: 0.0,
             eigen: 0.0,
             features_orthogonal: 0.0,
             temperature: 0.07,
