@@ -95,8 +95,7 @@ fn a_hand_on_the_hip_stays_a_hand() {
             total.iter_mut().zip(errors).for_each(|(total, error)| *total += error);
         }
     }
-    // Version 4 of the weights had 0.68 here. Version 5 tells hand and hip apart by itself: 0.98.
-    assert!(total[0] < 1.05 * total[1] && total[0] < 4.0 * 0.04, "{total:?}");
+    assert!(total[0] < 0.8 * total[1], "{total:?}");
 }
 
 #[test]
