@@ -55,10 +55,22 @@ fn share(found: &Match, expected: &Match) -> f64 {
     same as f64 / both.iter().map(|(f, _)| f.target.len()).sum::<usize>() as f64
 }
 
-/// The share of points that must have the same target as on the CPU.
-const SAME: f64 = 0.995;
-/// At most so much may be between the targets in the mean, and between their errors, ×100/√area.
-const APART: f64 = 0.02;
+/// How near to the map of the CPU that of the GPU must be: the share of points with the same target, and at most so much between their targets in the mean, and between their
+/// errors (×100/√area).
+#[derive(Clone, Copy)]
+struct Near {
+    same: f64,
+    apart: f64,
+    errors: f64,
+}
+
+/// What kernels that agree leave.
+const SAME: Near = Near { same: 0.995, apart: 0.02, errors: 0.02 };
+
+/// After rounds of registration, which choose nearest points anew each time, a rounding may be a region that went elsewhere: on the CPU alone, vertices of three pairs of
+/// faust_r moved by a ten-millionth of a metre leave 80 to 99.7 % of the refined targets the same, 0.003 to 0.11 apart in the mean. So what kernels make of such a
+/// pair is told by the maps before the rounds.
+const AS_ROUNDING: Near = Near { same: 0.95, apart: 0.15, errors: 0.1 };
 
 /// One pair on both devices, from the scans on. `truth` are pairs of points that correspond; errors are measured on B, a mesh.
 fn agrees(
@@ -67,13 +79,13 @@ fn agrees(
     [a, b]: [&Shape; 2],
     options: PrepareOptions,
     truth: &[(u32, u32)],
-    refinements: &[Refinement],
+    refinements: &[(Refinement, Near)],
 ) {
     let distances = EdgeDistances::new(b);
     let (on_gpu, of_prepare) = counted(model, || [a, b].map(|shape| prepared_on(model, shape, &options)));
     println!("{name}, prepared: {of_prepare:?}");
     let on_cpu = [a, b].map(|shape| prepared(shape.clone(), &options));
-    for &refine in refinements {
+    for &(refine, near) in refinements {
         let options = MatchOptions { refine, ..MatchOptions::default() };
         let (found, of_match) = counted(model, || matched_on(model, [&on_gpu[0], &on_gpu[1]], &options));
         let expected = matched(&on_cpu[0], &on_cpu[1], &options);
@@ -90,8 +102,11 @@ fn agrees(
             "{name}, {refine:?}: {:.2} % the same, {apart:.4} apart, errors {of_gpu:.3} and {of_cpu:.3}; {of_match:?}",
             100.0 * same
         );
-        assert!(same >= SAME && apart <= APART, "{name}, {refine:?}: {same} of the points are the same, {apart} apart");
-        assert!((of_gpu - of_cpu).abs() <= APART, "{name}, {refine:?}: errors {of_gpu} and {of_cpu}");
+        assert!(
+            same >= near.same && apart <= near.apart,
+            "{name}, {refine:?}: {same} of the points are the same, {apart} apart"
+        );
+        assert!((of_gpu - of_cpu).abs() <= near.errors, "{name}, {refine:?}: errors {of_gpu} and {of_cpu}");
     }
 }
 
@@ -100,7 +115,7 @@ fn people_are_matched_as_on_the_cpu() {
     let model = on_gpu();
     let [woman, man, striding] = ["woman-standing.ply", "man-lunging.ply", "woman-striding.ply"].map(body);
     let by_index: Vec<(u32, u32)> = (0..woman.points().len() as u32).map(|i| (i, i)).collect();
-    let every = [Refinement::Best, Refinement::ZoomOut, Refinement::None];
+    let every = [Refinement::Best, Refinement::ZoomOut, Refinement::None].map(|refine| (refine, SAME));
     // Half of the points: a GPU in software takes minutes for all of them, which only `faust_scans_are_matched_as_on_the_cpu` matches, where that set is.
     let half = |faces| PrepareOptions { points: 2500, faces, ..PrepareOptions::default() };
     agrees(&model, "meshes", [&woman, &man], half(FaceUse::Use), &by_index, &every);
@@ -110,8 +125,6 @@ fn people_are_matched_as_on_the_cpu() {
     assert_eq!(geose_fmap::device::Device::failure(model.device()), None);
 }
 
-/// Maps before registration: its rounds choose nearest points anew each time, and a rounding may become a region that went elsewhere. On the CPU alone, vertices of
-/// three pairs of faust_r moved by a ten-millionth of a metre leave 80 to 99.7 % of the refined targets the same, 0.003 to 0.11 apart in the mean.
 #[test]
 #[ignore = "needs the evaluation sets: set GEOSE_EVAL_DIR and pass --include-ignored"]
 fn faust_scans_are_matched_as_on_the_cpu() {
@@ -132,7 +145,7 @@ fn faust_scans_are_matched_as_on_the_cpu() {
             [&of_a, &of_b],
             PrepareOptions { faces, ..PrepareOptions::default() },
             &truth,
-            &[Refinement::None],
+            &[(Refinement::None, SAME), (Refinement::Best, AS_ROUNDING)],
         );
     }
 }

@@ -58,10 +58,10 @@ export const installedFile = (...names) => path.join(installation(), 'node_modul
 /** A module of an installed program. */
 export const importInstalled = (name) => import(pathToFileURL(createRequire(installedFile('any.js')).resolve(name)).href);
 
-/** Runs a program to its end; what it printed and its exit code. It may not take longer than three minutes: then it never ends by itself. */
+/** Runs a program to its end; what it printed and its exit code. It may not take longer than a minute: then it never ends by itself. */
 export function ran(file, args, { cwd, env = {} }) {
   return new Promise((resolve) => {
-    const options = { cwd, env: { ...process.env, NODE_TEST_CONTEXT: undefined, ...env }, timeout: 180_000, maxBuffer: 1 << 26 };
+    const options = { cwd, env: { ...process.env, NODE_TEST_CONTEXT: undefined, ...env }, timeout: 60_000, maxBuffer: 1 << 26 };
     const child = execFile(file, args, options, (error, stdout, stderr) => {
       resolve({ status: error ? (error.code ?? error.signal) : 0, stdout, stderr });
     });
