@@ -119,11 +119,7 @@ pub fn losses(weights: &LossWeights, solve: Solver, a: &Side, b: &Side, maps: bo
     let couples = maps && weights.coupling > 0.0;
     let coupled = couples.then(|| soft(&at_maps));
     if weights.semantic > 0.0 {
-        let [to_a, to_b] = match &coupled {
-            Some(soft) if weights.semantic_temperature == weights.temperature => soft.clone(),
-            _ if weights.semantic_temperature == weights.temperature => soft(&at_maps),
-            _ => soft(&sharp(weights.semantic_temperature)?),
-        };
+        let [to_a, to_b] = soft(&sharp(weights.semantic_temperature)?);
         let both = (semantic(&to_a, b.labels, a.labels)? + semantic(&to_b, a.labels, b.labels)?)?;
         terms.push(("semantic", weights.semantic, both.affine(0.5, 0.0)?));
     }
