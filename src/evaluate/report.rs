@@ -72,6 +72,8 @@ pub struct Evaluation {
 pub struct Pieces {
     /// Whether matches tell which points have a partner.
     pub overlap: Overlap,
+    /// Mean error ×100 over the lines whose point got a partner, mean over pairs that have any. In `age` a point without one is as far off as can be.
+    pub age_of_matched: Option<f64>,
     /// The share of pairs whose ratio of scales is found to within 10 %, of those whose set tells it: by the faces of A that are on both.
     pub scale_within_10: Option<f64>,
 }
@@ -143,7 +145,12 @@ impl fmt::Display for Evaluation {
         if let (Some(flips), Some(points)) = (self.flips, self.flipped_points) {
             writeln!(f, "{flips} of {pairs} flipped, {:.1} % of points", 100.0 * points)?;
         }
-        if let Some(Pieces { overlap: Overlap { iou, alone_said_alone, paired_said_alone }, .. }) = self.pieces {
+        if let Some(Pieces { overlap: Overlap { iou, alone_said_alone, paired_said_alone }, age_of_matched, .. }) =
+            self.pieces
+        {
+            if let Some(age) = age_of_matched {
+                writeln!(f, "mean error of points with a target {age:.2}")?;
+            }
             let shares = [("of points alone", alone_said_alone), ("of points with a partner", paired_said_alone)];
             let shares: Vec<_> =
                 shares.iter().filter_map(|(of, s)| Some(format!("{:.1} % {of}", 100.0 * (*s)?))).collect();

@@ -1,5 +1,6 @@
 //! Errors of a match on a mesh: how far from the truth, and how far from its mirror image.
 
+use super::interval::mean;
 use super::truth::Truth;
 use crate::graph::{BoundedDijkstra, components};
 use crate::maps::UNMATCHED;
@@ -107,6 +108,12 @@ impl Errors {
         100.0 * self.each.iter().sum::<f64>() / self.each.len().max(1) as f64
     }
 
+    /// The same over lines whose point got a partner; nothing where none did.
+    pub(super) fn age_of_matched(&self) -> Option<f64> {
+        let matched = self.predicted.iter().zip(&self.each).filter(|(p, _)| **p != UNMATCHED);
+        Some(100.0 * mean(matched.map(|(_, &e)| e))?)
+    }
+
     /// Whether the error of each line is at most `threshold` (in √area).
     pub(super) fn within(&self, threshold: f64) -> impl Iterator<Item = bool> + '_ {
         self.each.iter().map(move |&e| e <= threshold)
@@ -180,6 +187,8 @@ mod tests {
         let wanted = [0.0, 2.0, longest, longest].map(|way| way / root_area);
         assert!(errors.each.iter().zip(wanted).all(|(e, w)| (e - w).abs() < 1e-12), "{:?} {wanted:?}", errors.each);
         assert_eq!(errors.accuracy(0.5), 0.5);
+        let of_matched = 100.0 * (2.0 + longest) / 3.0 / root_area;
+        assert!((errors.age_of_matched().unwrap() - of_matched).abs() < 1e-9, "{:?}", errors.age_of_matched());
         // Unmatched, and across a gap of five units, where the straight line counts.
         let lines = truth(&[(0, 0), (1, 4), (2, 4), (3, 4)]);
         let [of_lines] = ruler.errors(&lines, [&[0, 8, UNMATCHED, 64]]);

@@ -26,6 +26,8 @@ const LACKS: f64 = 0.1;
 /// A part is there where a shape has this share of the area that is expected of it, and gone where it has less than that.
 const THERE: f64 = 0.5;
 const GONE: f64 = 0.2;
+/// Of a piece of a body what has a smaller share is a fragment of it, as one view of a camera has some, and no other thing.
+const FRAGMENTS: f64 = 0.25;
 /// So much more of the area that is expected of parts must a body have with what was taken for strays.
 const MORE_COVERED: f64 = 0.05;
 /// Where no network is at home, a plane with at least this share of the area that all else lies on one side of is a floor all the same.
@@ -85,6 +87,8 @@ pub(super) async fn body_of<D: Device>(
         {
             found.extend(thin_parts(&used, &aside));
         }
+        let piece = best.0.info.share < 1.0;
+        found.retain(|proposal| !piece || proposal.what != LeftOut::OtherThings || proposal.share >= FRAGMENTS);
         let mut taken: Option<(Prepared, Proposal)> = None;
         for proposal in found {
             // A listener is not told of a stage twice.
