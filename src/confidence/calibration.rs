@@ -274,14 +274,8 @@ mod tests {
         (category.confidence, category.confidence_of_pieces) = (constant(1.0), constant(-1.0));
         let of = |pieces: bool, category: &Category| {
             let category = Some(Arc::new(category.clone()));
-            confidence(&Cues {
-                table: Array2::zeros((1, row - 1)),
-                alone: Array2::zeros((0, 0)),
-                registered: true,
-                meshes: false,
-                pieces,
-                category,
-            })[0]
+            confidence(&Cues { table: Array2::zeros((1, row - 1)), registered: true, meshes: false, pieces, category })
+                [0]
         };
         assert!(of(false, &category) > 0.7 && of(true, &category) < 0.3);
         category.confidence_of_pieces.clear();
@@ -300,14 +294,7 @@ mod tests {
                 _ => 0.0,
             };
             let table = Array2::from_shape_fn((20, width), value);
-            confidence(&Cues {
-                table,
-                alone: Array2::zeros((0, 0)),
-                registered: true,
-                meshes: true,
-                pieces: false,
-                category: Some(category.clone()),
-            })
+            confidence(&Cues { table, registered: true, meshes: true, pieces: false, category: Some(category.clone()) })
         };
         let (less, more) = (of(-1.0), of(1.0));
         assert!(less.iter().zip(&more).all(|(less, more)| more >= less), "{less:?} {more:?}");

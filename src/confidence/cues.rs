@@ -10,7 +10,6 @@ use std::sync::Arc;
 
 use ndarray::{Array2, ArrayView2, s};
 
-use super::alone;
 use crate::maps::{LearnedCues, Matchable};
 use crate::network::Category;
 use crate::vector::{Vector, minus, norm};
@@ -30,8 +29,6 @@ pub(crate) const GENERAL: usize = STEPS.len() * SIGNS;
 pub(crate) struct Cues {
     /// Rows (p): [`GENERAL`] cues; with a network also the probability of each group of parts that is a cue of its category, and its prior.
     pub(crate) table: Array2<f64>,
-    /// Rows (p) of signs that a point has no partner, where one of the bodies is a piece; elsewhere no rows.
-    pub(crate) alone: Array2<f64>,
     /// Whether the body was registered onto the other, so that there are residuals.
     pub(crate) registered: bool,
     /// Whether both bodies are meshes.
@@ -50,8 +47,8 @@ impl Cues {
         registered: Option<ArrayView2<f32>>,
     ) -> Self {
         let (region, p) = (Region::of(own), own.len());
-        let image = |i: usize| other.place(there[i] as usize);
-        let cycle = |i: usize| norm(minus(own.place(back[there[i] as usize] as usize), own.place(i)));
+        let image = |i: usize| place(other, there[i] as usize);
+        let cycle = |i: usize| norm(minus(place(own, back[there[i] as usize] as usize), place(own, i)));
         let mut signs = vec![region.means((0..p).map(cycle)), region.strain(own, &image)];
         if let Some(registered) = &registered {
             let residual = |i: usize| norm(std::array::from_fn(|c| f64::from(registered[(i, c)]) - image(i)[c]));
@@ -78,12 +75,12 @@ impl Cues {
         }
         let category = own.learned.as_ref().map(|learned| learned.category.clone());
         let pieces = own.share.min(other.share) < 1.0;
-        let alone = match pieces {
-            true => alone::signs([own, other], [there, back], registered),
-            false => Array2::default((0, alone::SIGNS)),
-        };
-        Self { table, alone, registered: registered.is_some(), meshes, pieces, category }
+        Self { table, registered: registered.is_some(), meshes, pieces, category }
     }
+}
+
+fn place(shape: &Matchable, row: usize) -> Vector {
+    std::array::from_fn(|c| shape.points[(row, c)])
 }
 
 /// The even sampling of a body as a graph.
@@ -117,7 +114,7 @@ impl<'m> Region<'m> {
         let mut sums = vec![0.0; self.degree.len()];
         for &[s, t] in self.adjacent {
             let [i, j] = [s, t].map(|sample| own.coarse[sample as usize] as usize);
-            let change = norm(minus(image(i), image(j))) - norm(minus(own.place(i), own.place(j)));
+            let change = norm(minus(image(i), image(j))) - norm(minus(place(own, i), place(own, j)));
             [s, t].iter().for_each(|&sample| sums[sample as usize] += change.abs());
         }
         sums.iter().zip(&self.degree).map(|(sum, count)| sum / count.max(1.0)).collect()

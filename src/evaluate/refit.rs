@@ -8,7 +8,7 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::confidence::{Fit, SIGNS_OF_ALONE, Situation, fit, fit_of_faults, probability};
+use crate::confidence::{Fit, GENERAL, Situation, fit_of_faults, probability};
 use crate::network::{Model, PRIOR, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
@@ -104,10 +104,10 @@ pub fn refit(
                     points.features.extend(features.iter().flat_map(|features| features.row(row)));
                     points.right.push(right);
                 }
-                let mut partners = Points { others: SIGNS_OF_ALONE, ..Points::default() };
+                let mut partners = Points { others: GENERAL, ..Points::default() };
                 for &(i, has) in trial.truth.paired.iter().flatten().filter(|_| b.info.share < 1.0) {
-                    let row = cues.alone.row(a.support.row_of(i as usize));
-                    partners.cues.extend(row.iter().map(|&sign| sign as f32));
+                    let row = cues.table.row(a.support.row_of(i as usize));
+                    partners.cues.extend(row.iter().take(GENERAL).map(|&cue| cue as f32));
                     partners.right.push(has);
                 }
                 found.push((situation, points, partners));
@@ -173,7 +173,7 @@ pub fn refit(
         text += "// Whether points have a partner, for src/confidence/overlap.rs:\n";
     }
     for (&situation, points) in &partners {
-        let found = fit(&points.right, SIGNS_OF_ALONE, |i, row| {
+        let found = fit_of_faults(&points.right, GENERAL, |i, row| {
             row.iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
         });
         text += &lines(situation, points, &converged(situation, found)?, |_| None);

@@ -7,7 +7,6 @@ use ndarray::{Array2, s};
 use crate::descriptors::SampledSurface;
 use crate::network::{Category, PointEmbedding};
 use crate::spectrum::SpectralBasis;
-use crate::vector::Vector;
 
 /// A shape at unit area, ready to be matched: p points used.
 #[derive(Clone, Debug)]
@@ -57,11 +56,6 @@ impl Matchable {
     /// Points used, p.
     pub fn len(&self) -> usize {
         self.points.nrows()
-    }
-
-    /// Position of a point used.
-    pub(crate) fn place(&self, row: usize) -> Vector {
-        std::array::from_fn(|c| self.points[(row, c)])
     }
 
     /// Whether all that describes it are numbers.

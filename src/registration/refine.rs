@@ -31,7 +31,7 @@ pub enum Refinement {
 pub const COARSE: usize = 2000;
 /// Weight of the nearness to a landmark, from the first round to the last: at 4, two points, one of which is in the place of a landmark and the other far from it, are as
 /// different as if they lay half of √area apart. Nearness itself is not quite the same on two bodies: with 4 to the end seven right landmarks took a pair of people from
-/// 1.52 to 1.87, with 1 at the end to 1.56.
+/// 1.52 to 1.87, with 1 at the end to 1.56 (version 6 of the weights, which is in the card).
 const LANDMARKS: [f32; 2] = [4.0, 1.0];
 /// Growth of the basis per ZoomOut iteration.
 const STEP: usize = 10;
