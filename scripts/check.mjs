@@ -23,7 +23,7 @@ export async function check() {
     prettier: () => run('prettier', ['--check', '--log-level', 'warn', '.'], { env: node }),
     licences: checkLicences,
     'table of environments': checkTable,
-    clippy: () => clippy(['--lib', '--bins']),
+    clippy: () => clippy(['--all-targets']),
     'clippy with trainer and GPU': () => clippy(['--all-targets', '--features', 'train,gpu']),
     'clippy for wasm32': () => clippy(['--lib', '--target', 'wasm32-unknown-unknown'], wasm),
     'clippy for wasm32 with GPU': () =>
