@@ -134,7 +134,7 @@ fn a_scan_prepared_with_other_weights_is_refused_by_their_names() {
     for matcher in [&own, &other] {
         let error = matcher.match_shapes(&a, &b, &MatchOptions::default()).expect_err("refused");
         assert_eq!(error.code(), "other-weights");
-        assert!(error.to_string().contains("\"bodies\" 4") && error.to_string().contains("\"Koerper\" 7"), "{error}");
+        assert!(error.to_string().contains("\"bodies\" 6") && error.to_string().contains("\"Koerper\" 7"), "{error}");
     }
     let back = PreparedShape::from_bytes(&b.to_bytes().expect("bytes")).expect("read back");
     assert_eq!(back, b, "a stored scan remembers its weights");

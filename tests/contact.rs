@@ -92,10 +92,12 @@ fn a_hand_on_the_hip_stays_a_hand() {
                 off(&found.a_to_b, &free, hand)
             });
             println!("{sample}, {side}: {edges} edges told apart, {before} where nothing touches, {errors:?}");
+            assert!(errors[0] < errors[1], "{sample}, {side}: {errors:?}");
             total.iter_mut().zip(errors).for_each(|(total, error)| *total += error);
         }
     }
-    assert!(total[0] < 0.8 * total[1], "{total:?}");
+    // Weights of version 4 had 0.098 for 0.145, those of version 6 0.094 for 0.114: they see more hands themselves.
+    assert!(total[0] < 0.096 && total[0] < 0.85 * total[1], "{total:?}");
 }
 
 #[test]

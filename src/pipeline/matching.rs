@@ -18,6 +18,10 @@ use crate::network::{Model, PointEmbedding, TrainedNetwork, WeightsId};
 use crate::progress::{Progress, Stage};
 use crate::registration::{Constraints, Refined, sampled_at};
 
+/// A point whose probability to have a partner is lower is left without: to have none must be twice as likely. A point that is wrongly left alone has lost its place, which
+/// a low confidence would have told as well.
+const ALONE: f32 = 1.0 / 3.0;
+
 /// Two scans matched.
 #[derive(Clone, Debug)]
 pub struct Match {
@@ -222,12 +226,12 @@ pub(crate) async fn match_with_cues<D: Device>(
     Ok((matched, cues))
 }
 
-/// Points that more likely have no partner than one are left without, and what is no part of the body has none.
+/// Points that probably have no partner are left without, and what is no part of the body has none.
 fn leave_alone(found: &mut Correspondence, overlap: &mut [f32]) {
     for ((target, confidence), overlap) in found.target.iter_mut().zip(&mut found.confidence).zip(overlap) {
         if *target == UNMATCHED {
             *overlap = 0.0;
-        } else if *overlap < 0.5 {
+        } else if *overlap < ALONE {
             (*target, *confidence) = (UNMATCHED, 0.0);
         }
     }
