@@ -2,10 +2,10 @@
 
 mod shapes;
 
-use geose_fmap::pipeline::ScaleSource;
-use geose_fmap::{MatchOptions, Matcher, PrepareOptions, PreparedShape, Shape, UNMATCHED};
+use geose_fmap::pipeline::{ScaleSource, ShapeKind};
+use geose_fmap::{LaplacianKind, MatchOptions, Matcher, PrepareOptions, PreparedShape, Shape, UNMATCHED};
 
-use shapes::{body, distance};
+use shapes::{Random, body, distance};
 
 /// Labels of the sample bodies from here on are those of legs.
 const LEGS: u32 = 8;
@@ -107,4 +107,30 @@ fn fragments_of_one_view_are_no_other_things() {
     let below = || kept.iter().zip(&matched.a_to_b.target).filter(|(v, _)| height(**v) < 0.2);
     let right = below().filter(|(_, target)| **target != UNMATCHED && height(**target) < 0.25).count();
     assert!(below().count() > 100 && right as f64 > 0.7 * below().count() as f64, "{right} of {}", below().count());
+}
+
+#[test]
+fn a_mesh_full_of_holes_is_taken_as_a_cloud_where_that_looks_more_like_a_body() {
+    let whole = body("man-lunging.ply");
+    let mut random = Random(2);
+    let mut middle = || whole.points()[(random.bits() % whole.points().len() as u64) as usize];
+    let middles: Vec<[f64; 3]> = (0..13).map(|_| middle()).collect();
+    let stays = |v: u32| middles.iter().all(|&middle| distance(whole.points()[v as usize], middle) > 0.16);
+    let (holed, kept) = piece(&whole, 1.0, |face| face.iter().all(|&v| stays(v)));
+    let matcher = Matcher::new();
+    let as_mesh =
+        PrepareOptions { laplacian: Some(LaplacianKind::Cotangent), points: 1500, ..PrepareOptions::default() };
+    let mesh = matcher.prepare(holed.clone(), &as_mesh).expect("prepared");
+    let (cloud, b) = (prepared(&matcher, holed), prepared(&matcher, whole.clone()));
+    let said = |shape: &PreparedShape| shape.repairs.iter().any(|repair| repair.code == "taken-as-cloud");
+    assert!(said(&cloud) && !said(&mesh) && !said(&b), "an operator asked for by name is that operator");
+    assert_eq!([&cloud, &mesh, &b].map(|shape| shape.info.kind), [ShapeKind::Cloud, ShapeKind::Mesh, ShapeKind::Mesh]);
+    let near = |(&v, &target): (&u32, &u32)| {
+        target != UNMATCHED && distance(whole.points()[target as usize], whole.points()[v as usize]) < 0.1
+    };
+    let [by_cloud, by_mesh] = [&cloud, &mesh].map(|a| {
+        let matched = matcher.match_shapes(a, &b, &MatchOptions::default()).expect("matched");
+        kept.iter().zip(&matched.a_to_b.target).filter(|&found| near(found)).count() as f64 / kept.len() as f64
+    });
+    assert!(by_cloud > 0.6 && by_cloud > by_mesh + 0.1, "{by_cloud} {by_mesh}");
 }

@@ -5,15 +5,16 @@ use super::cues::{Cues, GENERAL};
 use crate::network::SITUATIONS;
 
 /// A constant and one coefficient per general cue of a logistic function, as those of confidence: rows are situations. A point without a partner does not come back to
-/// where it was, and the map strains around it; before registration that says little (area under curve 0.6 instead of 0.8).
+/// where it was, and the map strains around it.
 ///
-/// Fitted by maximum likelihood to whether the points of held-out pieces have a partner, together with confidence (`src/bin/calibrate.rs`).
+/// Fitted by maximum likelihood to whether the points of held-out pieces have a partner, together with confidence (`src/bin/calibrate.rs`); those that have one and are matched
+/// elsewhere are left out, as they look alone and say nothing of those that are. Area under curve on themselves 0.88, and 0.98 to 0.99 after registration.
 #[rustfmt::skip]
 const COEFFICIENTS: [[f64; 1 + GENERAL]; SITUATIONS] = [
-    [0.87, -1.90, 1.39, -0.08, -5.43, 0.0, 0.0],
-    [1.25, -0.90, 0.21, 0.77, -8.14, 0.0, 0.0],
-    [3.46, -4.75, -0.27, -1.84, -13.62, 0.0, 0.0],
-    [3.27, 1.50, -6.62, -0.43, -13.42, 0.0, 0.0],
+    [3.29, -6.52, -2.77, -7.41, -18.09, 0.00, 0.00],
+    [6.66, -2.66, -11.66, -29.08, -13.87, 0.00, 0.00],
+    [10.46, -22.18, -14.14, 13.17, -19.68, -10.78, -19.00],
+    [10.22, -32.25, -18.52, 9.04, -29.89, 0.00, 0.00],
 ];
 
 /// The probability (p) that each point has a partner.

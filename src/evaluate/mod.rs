@@ -246,8 +246,6 @@ struct Measured {
     flipped_points: Option<f64>,
     /// Where a template point is not on one of the two.
     overlap: Option<Overlap>,
-    /// The mean error ×100 of lines whose point got a partner.
-    age_of_matched: Option<f64>,
     /// The factor by which the ratio of scales is off, where the set tells it.
     scale_off: Option<f64>,
     /// One per line; none of an oracle, which has no doubts.
@@ -292,6 +290,7 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
             target: target.clone(),
             age: errors.age(),
             age_raw: before.age(),
+            age_of_matched: truth.paired.as_ref().and_then(|_| errors.age_of_matched()),
             flipped,
             given_parts,
         },
@@ -302,7 +301,6 @@ fn measure(task: &Task, model: &Model, trial: &Trial) -> Result<Measured, Evalua
         flipped_points: truth.mirrored.as_ref().map(|mirrored| ruler.flipped_points(&errors, mirrored)),
         scale_off: scale.zip(truth.scale).map(|(found, right)| (found / right).ln().abs().exp()),
         overlap: truth.paired.as_ref().map(|points| Overlap::of(points, &found)),
-        age_of_matched: errors.age_of_matched(),
         judged,
         seconds,
     })
@@ -353,7 +351,7 @@ fn summary(
     let judged: Vec<Judged> = measured.iter().flat_map(|m| m.judged.iter().copied()).collect();
     let sources: BTreeSet<&str> = measured.iter().map(|m| m.result.source.as_str()).collect();
     let overlaps: Vec<Overlap> = measured.iter().filter_map(|m| m.overlap).collect();
-    let age_of_matched = mean(measured.iter().filter_map(|m| m.age_of_matched));
+    let age_of_matched = mean(measured.iter().filter_map(|m| m.result.age_of_matched));
     let scale_within_10 = mean(measured.iter().filter_map(|m| m.scale_off).map(|off| f64::from(u8::from(off <= 1.1))));
     Evaluation {
         set: set.name(),

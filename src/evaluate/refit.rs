@@ -1,6 +1,6 @@
 //! Fits the constants of confidence again: what they are fitted to is what `evaluate` measures.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use ndarray::{Array1, Array2, ArrayView1};
@@ -98,14 +98,20 @@ pub fn refit(
                 let features = a.embeddings.first().filter(|_| situation.learned).map(|e| &e.features);
                 let others = cues.table.ncols() - usize::from(situation.learned);
                 let mut points = Points { width: features.map_or(0, Array2::ncols), others, ..Points::default() };
+                let mut wrong = BTreeSet::new();
                 for (i, right) in trial.judge(&matched.a_to_b.target) {
+                    if !right {
+                        wrong.insert(i);
+                    }
                     let row = a.support.row_of(i as usize);
                     points.cues.extend(cues.table.row(row).iter().take(others).map(|&cue| cue as f32));
                     points.features.extend(features.iter().flat_map(|features| features.row(row)));
                     points.right.push(right);
                 }
                 let mut partners = Points { others: GENERAL, ..Points::default() };
-                for &(i, has) in trial.truth.paired.iter().flatten().filter(|_| b.info.share < 1.0) {
+                let of_pieces = trial.truth.paired.iter().flatten().filter(|_| b.info.share < 1.0);
+                // What has a partner and is matched elsewhere looks alone, and tells nothing about those that are.
+                for &(i, has) in of_pieces.filter(|(i, has)| !has || !wrong.contains(i)) {
                     let row = cues.table.row(a.support.row_of(i as usize));
                     partners.cues.extend(row.iter().take(GENERAL).map(|&cue| cue as f32));
                     partners.right.push(has);

@@ -109,6 +109,9 @@ pub struct PairResult {
     pub age: f64,
     /// The same before refinement.
     pub age_raw: f64,
+    /// `age` without the points that were wrongly said to be alone, where a shape lacks what the other has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub age_of_matched: Option<f64>,
     /// Whether it is nearer to the mirrored truth.
     pub flipped: Option<bool>,
     /// What only pairs with given parts on both shapes have.

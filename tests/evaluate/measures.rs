@@ -85,6 +85,7 @@ fn template_points_that_a_piece_lacks_count_for_the_overlap_and_not_for_the_erro
     assert_eq!((&overlap["alone_said_alone"], &overlap["paired_said_alone"]), (&0.0.into(), &0.0.into()));
     assert_eq!(overlap.as_object().expect("an object").len(), 3);
     assert_eq!(found["age_of_matched"], found["age"]);
+    assert_eq!(found["per_pair"][0]["age_of_matched"], found["per_pair"][0]["age"]);
     // And looks for no scale.
     assert!(found.as_object().expect("an object").contains_key("scale_within_10"));
     assert_eq!(found["scale_within_10"], Value::Null);
