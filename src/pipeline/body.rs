@@ -6,7 +6,7 @@
 
 use ndarray::Array1;
 
-use super::embedding::{ask, is_certain_of_piece};
+use super::embedding::ask;
 use super::geometry::Carriers;
 use super::scan::{STRAYS, prepare_with_carriers};
 use super::surface::used_as;
@@ -35,6 +35,10 @@ const MORE_COVERED: f64 = 0.05;
 /// A mesh with borders is looked at as a cloud, too, unless a network is more certain of it than its category asks for by this part of what there is to 1. On 48 pairs with held-out pieces, a
 /// quarter of them taken so, errors went from 19.2 to 15.9 with version 6 of the weights; on 120 of `faust_pieces` from 6.1 to 4.8. The border of a hole is nothing that a body has.
 const SURE: f64 = 0.5;
+/// By so much less certain of it than its category asks for a network may then be.
+const NEARLY_SURE: f64 = 0.06;
+/// The network that ships learned from clouds of 1100 points and more. Of fewer it may be certain by chance, as of a wavy grid of 144.
+const FEWEST: usize = 1000;
 /// Where no network is at home, a plane with at least this share of the area that all else lies on one side of is a floor all the same.
 const FLOOR: f64 = 0.15;
 /// No loose piece is looked for where a network is more certain than its category asks for by this part of what there is to 1.
@@ -108,7 +112,8 @@ pub(super) async fn body_of<D: Device>(
         found = if in_sheets { Vec::new() } else { proposals(&used, &aside) };
     }
     let has_borders = !used.faces().is_empty() && !is_closed(used.faces());
-    if has_borders && scan.options.laplacian.is_none() && !is_clear(&best.0, SURE) {
+    let enough = scan.shape.points().len().min(scan.options.points) >= FEWEST;
+    if has_borders && enough && scan.options.laplacian.is_none() && !is_clear(&best.0, SURE) {
         let options = PrepareOptions { faces: FaceUse::Ignore, ..scan.options.clone() };
         let cloud = view(model, &scan, &options, &aside, progress).await?;
         if let Some(cloud) = cloud.filter(|cloud| is_more_of_a_body(&cloud.0, &best.0)) {
@@ -148,8 +153,8 @@ async fn view<D: Device>(
 
 /// Whether the points of a mesh as a cloud may be a body or a piece of one, and a network is more certain of them than of the mesh: a cloud hangs together across holes.
 fn is_more_of_a_body(cloud: &PreparedShape, mesh: &PreparedShape) -> bool {
-    margin(cloud).zip(margin(mesh)).is_some_and(|(cloud, mesh)| cloud > mesh + MORE_CERTAIN)
-        && cloud.embeddings.first().is_some_and(is_certain_of_piece)
+    let margins = margin(cloud).zip(margin(mesh));
+    margins.is_some_and(|(cloud, mesh)| cloud > mesh + MORE_CERTAIN && cloud >= -NEARLY_SURE)
 }
 
 /// Whether a network is more certain of one view of a scan than of another; where none is at home with either, whether what the one is without is a floor.

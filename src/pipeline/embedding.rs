@@ -109,12 +109,7 @@ fn is_piece(embedding: &PointEmbedding, share: f64) -> bool {
         .zip(&parts)
         .filter(|(part, of_points)| f64::from(**of_points) * share > THERE * part.area);
     let most: f64 = there.map(|(part, _)| part.area).sum();
-    share < 1.0 && is_certain_of_piece(embedding) && most >= LARGEST * share
-}
-
-/// Whether a network is as certain of the parts of a shape as it is of pieces.
-pub(super) fn is_certain_of_piece(embedding: &PointEmbedding) -> bool {
-    certainty(embedding) >= OF_PIECES * embedding.category.thresholds.certainty
+    share < 1.0 && certainty(embedding) >= OF_PIECES * category.thresholds.certainty && most >= LARGEST * share
 }
 
 /// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
