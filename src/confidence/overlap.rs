@@ -42,8 +42,10 @@ mod tests {
         for meshes in [false, true] {
             for registered in [false, true] {
                 let found = overlap(&Cues { table: table.clone(), registered, meshes, pieces: true, category: None });
+                // Once clouds are registered strain alone says little: it goes with noise as well.
+                let enough = meshes || !registered;
                 let expected = matches!(found[..], [has, strays, strained]
-                    if has > 0.6 && strays < has && strained < 0.5 && (strays < 0.5 || !registered));
+                    if has > 0.6 && strays < 0.5 && strained < has && (strained < 0.5 || !enough));
                 assert!(expected, "{found:?}");
             }
         }
