@@ -17,7 +17,7 @@ use crate::maps::{Correspondence, FunctionalMap, UNMATCHED};
 use crate::network::{Model, PointEmbedding, TrainedNetwork, WeightsId};
 use crate::progress::{Progress, Stage};
 use crate::registration::{Constraints, Refined, sampled_at};
-use crate::shape::is_closed;
+use crate::shape::has_borders;
 
 /// A point is left without a partner where its probability to have one is lower: nine in ten like it are alone, and one that is wrongly left so has lost its place, which
 /// a low confidence would have told as well. On 48 pairs with held-out pieces 80 % of points alone are left so; 12 % of the others, most of which would go astray.
@@ -172,7 +172,8 @@ pub(crate) async fn match_with_cues<D: Device>(
     let Refined { mut a_to_b, mut b_to_a, maps, cues, .. } = refined;
     let pieces = sides.iter().any(|side| side.share < 1.0);
     // A whole body has a partner for every point; but a mesh with borders that looks nearly whole may lack some of a piece.
-    let may_lack = |other: &PreparedShape| other.info.share < 1.0 || pieces && has_borders(other);
+    let may_lack =
+        |other: &PreparedShape| other.info.share < 1.0 || pieces && has_borders(other.sampled_shape().faces());
     let overlaps = [(&cues[0], b), (&cues[1], a)].map(|(cues, other)| match may_lack(other) {
         true => overlap(cues),
         false => vec![1.0; cues.table.nrows()],
@@ -226,12 +227,6 @@ pub(crate) async fn match_with_cues<D: Device>(
         gpu: GpuUse::default(),
     };
     Ok((matched, cues))
-}
-
-/// Whether a scan is a mesh whose surface has an end.
-fn has_borders(scan: &PreparedShape) -> bool {
-    let faces = scan.sampled_shape().faces();
-    !faces.is_empty() && !is_closed(faces)
 }
 
 /// Points that probably have no partner are left without, and what is no part of the body has none.

@@ -8,9 +8,14 @@ pub(crate) fn is_closed(faces: &[[u32; 3]]) -> bool {
     !faces.is_empty() && edges.chunk_by(|one, other| one == other).all(|same| same.len() > 1)
 }
 
+/// Whether it is a surface, and has an end.
+pub(crate) fn has_borders(faces: &[[u32; 3]]) -> bool {
+    !faces.is_empty() && !is_closed(faces)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::is_closed;
+    use super::{has_borders, is_closed};
 
     #[test]
     fn a_tetrahedron_is_closed_until_a_face_is_gone() {
@@ -18,5 +23,6 @@ mod tests {
         assert!(is_closed(&faces));
         assert!(!is_closed(&faces[1..]));
         assert!(!is_closed(&[]));
+        assert!(has_borders(&faces[1..]) && !has_borders(&faces) && !has_borders(&[]));
     }
 }

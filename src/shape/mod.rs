@@ -40,7 +40,7 @@ pub use steps::{COARSE_NUMBERS, coarse_steps};
 pub use strays::{Strays, set_strays_aside, thin_parts};
 pub use support::{MESH_LIMIT, Support, support};
 
-pub(crate) use closed::is_closed;
+pub(crate) use closed::{has_borders, is_closed};
 pub(crate) use repair::counted;
 
 use weld::{first_at_place, joined, weld, welded};
