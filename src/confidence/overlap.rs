@@ -11,10 +11,10 @@ use crate::network::SITUATIONS;
 /// elsewhere are left out, as they look alone and say nothing of those that are. Area under curve on themselves 0.88, and 0.98 to 0.99 after registration.
 #[rustfmt::skip]
 const COEFFICIENTS: [[f64; 1 + GENERAL]; SITUATIONS] = [
-    [4.70, -5.83, -16.67, -16.17, -0.84, 0.00, 0.00],
-    [7.43, -0.84, -24.61, -30.69, 0.00, 0.00, 0.00],
-    [9.84, -21.31, -19.13, 0.00, -11.13, -7.64, -6.57],
-    [11.03, -20.78, -27.46, 0.00, -28.59, 0.00, 0.00],
+    [4.99, -10.82, -16.02, -12.06, 0.00, 0.00, 0.00],
+    [9.24, -4.64, -26.92, -39.29, 0.00, 0.00, 0.00],
+    [9.75, -22.99, -16.97, 0.00, -10.72, -5.33, -9.34],
+    [10.18, -24.80, -23.23, 0.00, -21.58, 0.00, 0.00],
 ];
 
 /// The probability (p) that each point has a partner.
