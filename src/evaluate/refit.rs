@@ -8,8 +8,8 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::confidence::{Fit, GENERAL, Situation, fit_of_faults, probability, signs};
-use crate::network::{CUES, Model, PRIOR, Weights};
+use crate::confidence::{Fit, GENERAL, Situation, fit_of_faults, probability};
+use crate::network::{Model, PRIOR, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
 use crate::pipeline::{MatchOptions, Parts, PrepareOptions};
@@ -78,16 +78,14 @@ pub fn refit(
             let known = trial.shapes.map(PreparedShape::clone);
             let unknown = known.clone().map(|shape| PreparedShape { embeddings: Vec::new(), ..shape });
             let rare = every(RARE, &line);
-            // What a piece is no one knows without a network.
-            let wholes = known.iter().all(|shape| shape.info.share == 1.0);
             let mut found = Vec::new();
             for (shapes, refine, asked) in [
                 (&known, Refinement::Best, true),
                 (&known, Refinement::ZoomOut, rare),
                 (&known, Refinement::None, rare),
-                (&unknown, Refinement::Best, rare && wholes),
-                (&unknown, Refinement::ZoomOut, rare && wholes),
-                (&unknown, Refinement::None, rare && wholes),
+                (&unknown, Refinement::Best, rare),
+                (&unknown, Refinement::ZoomOut, rare),
+                (&unknown, Refinement::None, rare),
             ] {
                 if !asked {
                     continue;
@@ -98,10 +96,7 @@ pub fn refit(
                 let (matched, [cues, _]) = matched.map_err(|e| EvaluationError::method(&line, e))?;
                 let situation = Situation::of(&cues);
                 let features = a.embeddings.first().filter(|_| situation.learned).map(|e| &e.features);
-                let others = match situation {
-                    Situation { learned: true, pieces: true, .. } => CUES,
-                    Situation { learned, .. } => cues.table.ncols() - usize::from(learned),
-                };
+                let others = cues.table.ncols() - usize::from(situation.learned);
                 let mut points = Points { width: features.map_or(0, Array2::ncols), others, ..Points::default() };
                 let mut wrong = BTreeSet::new();
                 for (i, right) in trial.judge(&matched.a_to_b.target) {
@@ -139,12 +134,12 @@ pub fn refit(
     let features = weights.config.feature_columns();
     let mut prior = Array2::<f32>::zeros((features + 1, 2));
     let mut fitted = BTreeMap::new();
-    // Refined maps of wholes first: their points say what prior is, and the other wholes take it as it is.
+    // Refined maps of wholes first: their points say what prior is, and the others take it as it is.
     let (best, others): (Vec<_>, Vec<_>) =
         points.iter().partition(|(s, points)| s.registered && !s.pieces && points.width == features);
     for (&situation, points) in best {
         let others = points.others;
-        let found = fit_of_faults(&points.right, others + features, signs(others), |i, row| {
+        let found = fit_of_faults(&points.right, others + features, |i, row| {
             row[..others].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[others..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
         });
@@ -162,29 +157,29 @@ pub fn refit(
         fitted.insert(situation, of_cues);
     }
     let priors = |situation: &Situation, points: &Points, i: usize| {
-        let column = prior.column(usize::from(!situation.meshes));
-        (situation.learned && !situation.pieces).then(|| prior_of(column, points.features(i)))
+        prior_of(prior.column(usize::from(!situation.meshes)), points.features(i))
     };
     for (&situation, points) in others {
-        let inputs = points.others + usize::from(situation.learned && !situation.pieces);
-        let found = fit_of_faults(&points.right, inputs, signs(points.others), |i, row| {
-            let cues = points.cues(i).iter().map(|&cue| f64::from(cue)).chain(priors(&situation, points, i));
-            row.iter_mut().zip(cues).for_each(|(x, cue)| *x = cue);
+        let inputs = points.others + usize::from(situation.learned);
+        let found = fit_of_faults(&points.right, inputs, |i, row| {
+            row[..points.others].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
+            if situation.learned {
+                row[points.others] = priors(&situation, points, i);
+            }
         });
         fitted.insert(situation, converged(situation, found)?);
     }
     let text = fitted.iter().map(|(situation, coefficients)| {
         let points = &points[situation];
-        lines(*situation, points, coefficients, |i| priors(situation, points, i))
+        let prior = |i: usize| situation.learned.then(|| priors(situation, points, i));
+        lines(*situation, points, coefficients, prior)
     });
     let mut text: String = text.collect();
     if !partners.is_empty() {
         text += "// Whether points have a partner, for src/confidence/overlap.rs:\n";
     }
     for (&situation, points) in &partners {
-        // Here not even a wide average may count the other way.
-        let each = (0..GENERAL).map(|cue| cue..cue + 1);
-        let found = fit_of_faults(&points.right, GENERAL, each, |i, row| {
+        let found = fit_of_faults(&points.right, GENERAL, |i, row| {
             row.iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
         });
         text += &lines(situation, points, &converged(situation, found)?, |_| None);

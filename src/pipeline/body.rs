@@ -9,7 +9,6 @@ use ndarray::Array1;
 
 use super::embedding::ask;
 use super::geometry::Carriers;
-use super::reliability::reliability;
 use super::scan::{STRAYS, prepare_with_carriers};
 use super::surface::used_as;
 use super::{Error, FaceUse, PrepareOptions, PreparedShape};
@@ -82,7 +81,7 @@ pub(super) async fn body_of<D: Device>(
     let (as_read, name) = (scan.shape.clone(), scan.name.clone());
     let (mut prepared, carriers, laplacian) =
         prepare_with_carriers(as_read, name, scan.options, &aside, scan.wanted, progress)?;
-    ask(model, &mut prepared, &carriers, None, scan.options.share, 0.2..0.4, progress).await?;
+    ask(model, &mut prepared, &carriers, None, 0.2..0.4, progress).await?;
     let whole_scan = cover(&prepared);
     let mut best = (prepared, carriers, laplacian);
     let mut left = 1.0;
@@ -124,17 +123,12 @@ pub(super) async fn body_of<D: Device>(
             best = cloud;
         }
     }
-    let (mut prepared, carriers, laplacian) = best;
-    prepared.info.borders = has_borders(used.faces());
-    let (reliability, doubt) = reliability(&prepared, &carriers, &laplacian.mass);
-    prepared.info.reliability = reliability;
-    prepared.repairs.extend(doubt.into_iter().chain(said));
-    if let Some(doubt) = lost_limbs(&prepared) {
-        // A piece lacks parts as pieces do.
-        prepared.info.reliability *= if prepared.info.share < 1.0 { 1.0 } else { DOUBTFUL };
-        prepared.repairs.push(doubt);
+    best.0.repairs.extend(said);
+    if let Some(doubt) = lost_limbs(&best.0) {
+        best.0.info.reliability *= DOUBTFUL;
+        best.0.repairs.push(doubt);
     }
-    Ok((prepared, carriers, laplacian))
+    Ok(best)
 }
 
 /// A scan without the points `aside`, and what networks make of that; nothing where what is left is no shape.
@@ -154,7 +148,7 @@ async fn view<D: Device>(
             Err(Error::Cancelled(_)) => return Err(Cancelled { stage: Stage::Features }.into()),
             Err(_) => return Ok(None),
         };
-    ask(model, &mut prepared, &carriers, None, options.share, 0.2..0.4, &mut within).await?;
+    ask(model, &mut prepared, &carriers, None, 0.2..0.4, &mut within).await?;
     Ok(Some((prepared, carriers, laplacian)))
 }
 
