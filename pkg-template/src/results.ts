@@ -181,7 +181,7 @@ export interface DirectedMap {
   targetOf: Uint32Array<ArrayBuffer>;
   /** One per point of the first shape: the probability that its point is within 5 % of √area of the right one, a hand’s width on a person; 0 where unmatched. */
   confidence: Float32Array<ArrayBuffer>;
-  /** One per point of the first shape: the probability that it has a partner at all; below ½ it is left unmatched. 1 where the second is a whole body; 0 of points set aside. */
+  /** One per point of the first shape: the probability that it has a partner at all; below 0.1 it is left unmatched. 1 where the second is a whole body; 0 of points set aside. */
   overlap: Float32Array<ArrayBuffer>;
   /** Functions on the first shape → functions on the second. */
   functionalMap: FunctionalMap;
