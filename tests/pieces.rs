@@ -3,7 +3,7 @@
 mod shapes;
 
 use geose_fmap::pipeline::{ScaleSource, ShapeKind};
-use geose_fmap::{LaplacianKind, MatchOptions, Matcher, PrepareOptions, PreparedShape, Shape, UNMATCHED};
+use geose_fmap::{FaceUse, LaplacianKind, MatchOptions, Matcher, PrepareOptions, PreparedShape, Shape, UNMATCHED};
 
 use shapes::{Random, body, distance};
 
@@ -85,6 +85,125 @@ fn half_a_body_is_matched_at_the_size_of_the_whole() {
     assert!(alone(true) > 0.6 && alone(false) < 0.1, "{} {}", alone(true), alone(false));
     let said = |code: &str| matched.warnings.iter().any(|warning| warning.code == code);
     assert!(!said("lengths-changed") && !said("out-of-distribution"), "{:?}", matched.warnings);
+}
+
+/// Of the points with a partner the share that goes to the part with their label, and of those with labels that are `lost` and of the others the share left alone.
+fn by_labels(targets: &[u32], from: &[u32], to: &[u32], lost: impl Fn(u32) -> bool) -> [f64; 3] {
+    let share = |wanted: &dyn Fn(u32) -> bool, found: &dyn Fn(u32, u32) -> bool| {
+        let of = targets.iter().zip(from).filter(|(_, label)| wanted(**label));
+        let (all, found) = of.fold((0, 0), |(all, sum), (&t, &l)| (all + 1, sum + u32::from(found(t, l))));
+        f64::from(found) / f64::from(all)
+    };
+    let same = share(&|label| !lost(label), &|t, label| t != UNMATCHED && to[t as usize] == label);
+    let alone = |t: u32, _: u32| t == UNMATCHED;
+    [same, share(&lost, &alone), share(&|label| !lost(label), &alone)]
+}
+
+#[test]
+fn a_turned_bust_and_another_body_are_matched_either_way_round() {
+    // Another person in another pose, as a cloud that was turned.
+    let [woman, man] = ["woman-standing.ply", "man-lunging.ply"].map(body);
+    let (bust, kept) = upper(&woman, 1.0);
+    let turned = bust.points().iter().map(|&[x, y, z]| [0.6 * x - 0.8 * z, 0.8 * x + 0.6 * z, -y]).collect();
+    let labels = |shape: &Shape| shape.labels().expect("labels").to_vec();
+    let (of_woman, of_man) = (labels(&woman), labels(&man));
+    let of_bust: Vec<u32> = kept.iter().map(|&v| of_woman[v as usize]).collect();
+    let matcher = Matcher::new();
+    let [a, b] = [Shape::new(turned, Vec::new(), None).expect("a cloud"), man].map(|shape| prepared(&matcher, shape));
+    assert!(a.info.share < 0.8 && b.info.share == 1.0, "{} {}", a.info.share, b.info.share);
+    for (first, second) in [(&a, &b), (&b, &a)] {
+        let matched = matcher.match_shapes(first, second, &MatchOptions::default()).expect("matched");
+        let [there, back] = [&matched.a_to_b.target, &matched.b_to_a.target];
+        let [to_man, to_bust] = if first.info.share < 1.0 { [there, back] } else { [back, there] };
+        let [same, ..] = by_labels(to_man, &of_bust, &of_man, |_| false);
+        let [same_back, legs_alone, others_alone] = by_labels(to_bust, &of_man, &of_bust, |label| label >= LEGS);
+        assert!(same > 0.85 && same_back > 0.75, "{same} {same_back}");
+        assert!(legs_alone > 0.6 && others_alone < 0.15, "{legs_alone} {others_alone}");
+        let codes: Vec<&str> = matched.warnings.iter().map(|warning| &*warning.code).collect();
+        assert!(codes.is_empty(), "whoever is first, what has no partner is no reason for doubt: {codes:?}");
+    }
+}
+
+#[test]
+fn two_pieces_are_matched_where_both_are_there() {
+    // One without legs, and one without what is above the waist but the torso and an arm.
+    let [woman, man] = ["woman-standing.ply", "man-lunging.ply"].map(body);
+    let on = |shape: &Shape, wanted: &dyn Fn(u32) -> bool| {
+        let labels = shape.labels().expect("labels").to_vec();
+        let (piece, kept) = piece(shape, 1.0, |face| face.iter().all(|&v| wanted(labels[v as usize])));
+        (piece, kept.iter().map(|&v| labels[v as usize]).collect::<Vec<u32>>())
+    };
+    let lacks = |label: u32| [0, 2, 4, 6].contains(&label);
+    let (above, of_above) = on(&woman, &|label| label < LEGS);
+    let (below, of_below) = on(&man, &|label| !lacks(label));
+    let matcher = Matcher::new();
+    let [a, b] = [above, below].map(|shape| prepared(&matcher, shape));
+    let matched = matcher.match_shapes(&a, &b, &MatchOptions::default()).expect("matched");
+    let [same, alone, others] = by_labels(&matched.a_to_b.target, &of_above, &of_below, lacks);
+    let [same_back, legs_alone, others_back] =
+        by_labels(&matched.b_to_a.target, &of_below, &of_above, |label| label >= LEGS);
+    println!("{} {}: {same} {alone} {others}, {same_back} {legs_alone} {others_back}", a.info.share, b.info.share);
+    assert!(same > 0.7 && same_back > 0.7, "{same} {same_back}");
+    assert!(
+        alone > 0.5 && legs_alone > 0.5 && others < 0.2 && others_back < 0.2,
+        "{alone} {legs_alone} {others} {others_back}"
+    );
+}
+
+#[test]
+fn what_a_nearly_whole_body_lacks_has_no_partner_on_it() {
+    // A body that has lost a forearm is whole to the network. Beside a piece that has it, it is known to have borders.
+    let whole = body("woman-standing.ply");
+    let labels = whole.labels().expect("labels");
+    let lost = |v: u32| [4, 6].contains(&labels[v as usize]);
+    let (piece, kept) = upper(&whole, 1.0);
+    let (nearly, _) = self::piece(&whole, 1.0, |face| !face.iter().any(|&v| lost(v)));
+    let matcher = Matcher::new();
+    let (a, b) = (prepared(&matcher, piece), prepared(&matcher, nearly));
+    assert!(a.info.share < 1.0 && b.info.share == 1.0, "{} {}", a.info.share, b.info.share);
+    let matched = matcher.match_shapes(&a, &b, &MatchOptions::default()).expect("matched");
+    let alone = |is_lost: bool| {
+        let of = kept.iter().zip(&matched.a_to_b.target).filter(|(v, _)| lost(**v) == is_lost);
+        let (all, alone) = of.fold((0, 0), |(all, alone), (_, &t)| (all + 1, alone + u32::from(t == UNMATCHED)));
+        f64::from(alone) / f64::from(all)
+    };
+    assert!(alone(true) > 0.5 && alone(false) < 0.1, "{} {}", alone(true), alone(false));
+}
+
+#[test]
+fn a_mesh_has_borders_where_it_ends_and_not_along_a_seam() {
+    let whole = body("woman-standing.ply");
+    let (bust, _) = upper(&whole, 1.0);
+    // Every face has three vertices of its own, as a file with a texture may have them along its seams.
+    let corners = whole.faces().iter().flatten().map(|&v| whole.points()[v as usize]).collect();
+    let faces = (0..whole.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let seamed = Shape::new(corners, faces, None).expect("a mesh");
+    let few = PrepareOptions { points: 400, share: Some(1.0), whole_scan: true, ..PrepareOptions::default() };
+    let cloud = PrepareOptions { faces: FaceUse::Ignore, ..few.clone() };
+    let borders = |shape: &Shape, options: &PrepareOptions| {
+        Matcher::new().prepare(shape.clone(), options).expect("prepared").info.borders
+    };
+    assert!(borders(&bust, &few) && !borders(&bust, &cloud));
+    assert!(!borders(&whole, &few) && !borders(&seamed, &few));
+}
+
+#[test]
+fn who_knows_how_much_of_a_body_it_is_says_so() {
+    let whole = body("woman-standing.ply");
+    let share = upper_share(&whole);
+    let matcher = Matcher::new();
+    let (piece, _) = upper(&whole, 1.0);
+    let known = |share: f64| PrepareOptions { points: 1500, share: Some(share), ..PrepareOptions::default() };
+    let [b, right, taken_for_whole] = [(&whole, 1.0), (&piece, share), (&piece, 1.0)]
+        .map(|(shape, share)| matcher.prepare(shape.clone(), &known(share)).expect("prepared"));
+    assert_eq!((right.info.share, taken_for_whole.info.share), (share, 1.0));
+    assert!((right.info.scale / b.info.scale).ln().abs() < 0.02, "{} {}", right.info.scale, b.info.scale);
+    assert!((taken_for_whole.info.scale / right.info.scale - share.sqrt()).abs() < 1e-9);
+    assert!(
+        matcher
+            .prepare(whole, &known(0.01))
+            .is_err_and(|error| error.to_string().contains("share must be between 0.05 and 1"))
+    );
 }
 
 #[test]

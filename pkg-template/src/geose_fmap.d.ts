@@ -34,7 +34,7 @@ export function open_device(
 ): Promise<Device>;
 
 type LaplacianGiven = Pick<LaplacianOptions, 'kind' | 'k0' | 'k' | 'tau' | 'iterations' | 'sigma'>;
-type PrepareGiven = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up' | 'wholeScan'>;
+type PrepareGiven = Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up' | 'wholeScan' | 'share'>;
 type MatchGiven = Pick<MatchOptions, 'parts' | 'refine' | 'landmarks'>;
 
 /** The network on a device. */

@@ -119,6 +119,7 @@ const OPTIONS = new Map<string, Check>([
   ['sigma', number],
   ['up', oneOf('x', 'y', 'z')],
   ['wholeScan', yesOrNo],
+  ['share', number],
   ['pose', oneOf('saved', 'rest')],
   ['parts', oneOf('predicted', 'given', 'none')],
   ['refine', oneOf('best', 'zoomout', 'none')],

@@ -88,6 +88,8 @@ export interface PrepareOptions extends CallOptions, ReadOptions {
    * left: `repairs` say so (`'floor-set-aside'`, `'furniture-set-aside'`, `'others-set-aside'`, `'piece-set-aside'`, `'garment-set-aside'`), and points far from the body are among `unmatched`.
    */
   wholeScan?: boolean | undefined;
+  /** How much of a body's surface the scan has, 0.05 to 1, where it is known: 1 is a whole body. By default the network says, and `info.share` repeats it. */
+  share?: number | undefined;
 }
 
 /** How a Laplacian is built. What its kind does not have is refused with `'invalid-option'`; left out, it is as the paper has it. */

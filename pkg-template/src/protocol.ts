@@ -30,7 +30,7 @@ export interface Prepared {
 export interface Calls {
   device: { ask: object; answer: Device };
   prepare: {
-    ask: { source: Source; options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up' | 'wholeScan'> };
+    ask: { source: Source; options: Pick<PrepareOptions, 'points' | 'faces' | 'laplacian' | 'eigenpairs' | 'up' | 'wholeScan' | 'share'> };
     answer: Uint8Array<ArrayBuffer>;
   };
   laplacian: {

@@ -75,6 +75,8 @@ export interface ShapeInfo {
   readonly scale: number;
   /** Share of the body's surface that the scan has; 1 unless a network took it for a piece. */
   readonly share: number;
+  /** Whether the mesh ends somewhere, as where something was cut off or is hidden. A cloud does not say. */
+  readonly borders: boolean;
   /** How far the scan can be relied on, in (0, 1]: confidence is multiplied by it. It is below 1 where coordinates are coarse or points few, as repairs say. */
   readonly reliability: number;
   readonly laplacian: LaplacianKind;
@@ -181,7 +183,7 @@ export interface DirectedMap {
   targetOf: Uint32Array<ArrayBuffer>;
   /** One per point of the first shape: the probability that its point is within 5 % of √area of the right one, a hand’s width on a person; 0 where unmatched. */
   confidence: Float32Array<ArrayBuffer>;
-  /** One per point of the first shape: the probability that it has a partner at all; below 0.1 it is left unmatched. 1 where the second is a whole body; 0 of points set aside. */
+  /** One per point of the first shape: the probability that it has a partner at all; below 0.1 it is left unmatched. 1 where both are whole bodies or the second is a closed one; 0 of points set aside. */
   overlap: Float32Array<ArrayBuffer>;
   /** Functions on the first shape → functions on the second. */
   functionalMap: FunctionalMap;

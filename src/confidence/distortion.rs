@@ -10,9 +10,9 @@ const NEAR: f64 = 0.08;
 const FAR: f64 = 0.2;
 
 /// Median factor, 1 or more, by which straight distances of about an arm's width differ from those between the matched points, both in
-/// √area. On sample bodies 1.05 to 1.09 between different people in different poses; half a body matched onto a whole one has 1.5.
-pub fn stretch(from: &Matchable, to: &Matchable, matched: &Correspondence) -> f64 {
-    let rows = &from.coarse[..POINTS.min(from.coarse.len())];
+/// √area, of the rows that `counts`. On sample bodies 1.05 to 1.09 between different people in different poses; half a body matched onto a whole one has 1.5.
+pub fn stretch(from: &Matchable, to: &Matchable, matched: &Correspondence, counts: impl Fn(usize) -> bool) -> f64 {
+    let rows: Vec<u32> = from.coarse.iter().take(POINTS).copied().filter(|&row| counts(row as usize)).collect();
     let place = |shape: &Matchable, row: u32| -> [f64; 3] { std::array::from_fn(|c| shape.points[(row as usize, c)]) };
     let here: Vec<[f64; 3]> = rows.iter().map(|&row| place(from, row)).collect();
     let there: Vec<[f64; 3]> = rows.iter().map(|&row| place(to, matched.target[row as usize])).collect();

@@ -7,7 +7,7 @@ mod overlap;
 
 pub(crate) use calibration::confidence;
 #[cfg(feature = "train")]
-pub(crate) use calibration::{Fit, Situation, fit_of_faults, probability};
+pub(crate) use calibration::{Fit, Situation, fit_of_faults, probability, signs};
 pub(crate) use cues::Cues;
 #[cfg(feature = "train")]
 pub(crate) use cues::GENERAL;

@@ -8,8 +8,8 @@ use ndarray::{Array1, Array2, ArrayView1};
 use super::calibration::{Judged, area_under_curve, calibration_error};
 use super::selection::every;
 use super::{EvaluationError, Mode, Rotate, Task, over_pairs};
-use crate::confidence::{Fit, GENERAL, Situation, fit_of_faults, probability};
-use crate::network::{Model, PRIOR, Weights};
+use crate::confidence::{Fit, GENERAL, Situation, fit_of_faults, probability, signs};
+use crate::network::{CUES, Model, PRIOR, Weights};
 use crate::pipeline::PreparedShape;
 use crate::pipeline::match_with_cues;
 use crate::pipeline::{MatchOptions, Parts, PrepareOptions};
@@ -78,14 +78,16 @@ pub fn refit(
             let known = trial.shapes.map(PreparedShape::clone);
             let unknown = known.clone().map(|shape| PreparedShape { embeddings: Vec::new(), ..shape });
             let rare = every(RARE, &line);
+            // What a piece is no one knows without a network.
+            let wholes = known.iter().all(|shape| shape.info.share == 1.0);
             let mut found = Vec::new();
             for (shapes, refine, asked) in [
                 (&known, Refinement::Best, true),
                 (&known, Refinement::ZoomOut, rare),
                 (&known, Refinement::None, rare),
-                (&unknown, Refinement::Best, rare),
-                (&unknown, Refinement::ZoomOut, rare),
-                (&unknown, Refinement::None, rare),
+                (&unknown, Refinement::Best, rare && wholes),
+                (&unknown, Refinement::ZoomOut, rare && wholes),
+                (&unknown, Refinement::None, rare && wholes),
             ] {
                 if !asked {
                     continue;
@@ -96,7 +98,10 @@ pub fn refit(
                 let (matched, [cues, _]) = matched.map_err(|e| EvaluationError::method(&line, e))?;
                 let situation = Situation::of(&cues);
                 let features = a.embeddings.first().filter(|_| situation.learned).map(|e| &e.features);
-                let others = cues.table.ncols() - usize::from(situation.learned);
+                let others = match situation {
+                    Situation { learned: true, pieces: true, .. } => CUES,
+                    Situation { learned, .. } => cues.table.ncols() - usize::from(learned),
+                };
                 let mut points = Points { width: features.map_or(0, Array2::ncols), others, ..Points::default() };
                 let mut wrong = BTreeSet::new();
                 for (i, right) in trial.judge(&matched.a_to_b.target) {
@@ -134,12 +139,12 @@ pub fn refit(
     let features = weights.config.feature_columns();
     let mut prior = Array2::<f32>::zeros((features + 1, 2));
     let mut fitted = BTreeMap::new();
-    // Refined maps of wholes first: their points say what prior is, and the others take it as it is.
+    // Refined maps of wholes first: their points say what prior is, and the other wholes take it as it is.
     let (best, others): (Vec<_>, Vec<_>) =
         points.iter().partition(|(s, points)| s.registered && !s.pieces && points.width == features);
     for (&situation, points) in best {
         let others = points.others;
-        let found = fit_of_faults(&points.right, others + features, |i, row| {
+        let found = fit_of_faults(&points.right, others + features, signs(others), |i, row| {
             row[..others].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
             row[others..].iter_mut().zip(points.features(i)).for_each(|(x, &feature)| *x = f64::from(feature));
         });
@@ -157,37 +162,40 @@ pub fn refit(
         fitted.insert(situation, of_cues);
     }
     let priors = |situation: &Situation, points: &Points, i: usize| {
-        prior_of(prior.column(usize::from(!situation.meshes)), points.features(i))
+        let column = prior.column(usize::from(!situation.meshes));
+        (situation.learned && !situation.pieces).then(|| prior_of(column, points.features(i)))
     };
     for (&situation, points) in others {
-        let inputs = points.others + usize::from(situation.learned);
-        let found = fit_of_faults(&points.right, inputs, |i, row| {
-            row[..points.others].iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
-            if situation.learned {
-                row[points.others] = priors(&situation, points, i);
-            }
+        let inputs = points.others + usize::from(situation.learned && !situation.pieces);
+        let found = fit_of_faults(&points.right, inputs, signs(points.others), |i, row| {
+            let cues = points.cues(i).iter().map(|&cue| f64::from(cue)).chain(priors(&situation, points, i));
+            row.iter_mut().zip(cues).for_each(|(x, cue)| *x = cue);
         });
         fitted.insert(situation, converged(situation, found)?);
     }
     let text = fitted.iter().map(|(situation, coefficients)| {
         let points = &points[situation];
-        let prior = |i: usize| situation.learned.then(|| priors(situation, points, i));
-        lines(*situation, points, coefficients, prior)
+        lines(*situation, points, coefficients, |i| priors(situation, points, i))
     });
     let mut text: String = text.collect();
     if !partners.is_empty() {
         text += "// Whether points have a partner, for src/confidence/overlap.rs:\n";
     }
     for (&situation, points) in &partners {
-        let found = fit_of_faults(&points.right, GENERAL, |i, row| {
+        // Here not even a wide average may count the other way.
+        let each = (0..GENERAL).map(|cue| cue..cue + 1);
+        let found = fit_of_faults(&points.right, GENERAL, each, |i, row| {
             row.iter_mut().zip(points.cues(i)).for_each(|(x, &cue)| *x = f64::from(cue));
         });
         text += &lines(situation, points, &converged(situation, found)?, |_| None);
     }
     let mut weights = weights.clone().with(PRIOR, prior.clone());
-    let rounded = |coefficients: &Vec<f64>| coefficients.iter().map(|c| (100.0 * c).round() / 100.0).collect();
     let table = |pieces: bool| -> Vec<Vec<f64>> {
-        fitted.iter().filter(|(s, _)| s.learned && s.pieces == pieces).map(|(_, of_cues)| rounded(of_cues)).collect()
+        fitted
+            .iter()
+            .filter(|(s, _)| s.learned && s.pieces == pieces)
+            .map(|(s, of_cues)| rounded(of_cues, points[s].others))
+            .collect()
     };
     (weights.category.confidence, weights.category.confidence_of_pieces) = (table(false), table(true));
     weights.category.check().map_err(EvaluationError::NotMeasurable)?;
@@ -214,6 +222,17 @@ fn converged(situation: Situation, fit: Fit) -> Result<Vec<f64>, EvaluationError
     }
     let Fit { iterations, last_step, .. } = fit;
     Err(EvaluationError::NotFitted { to: format!("{situation:?}"), iterations, last_step })
+}
+
+/// Coefficients in hundredths, the constant first: where rounding lets one of the signs of so many cues raise the probability, the last of its coefficients gives way.
+fn rounded(coefficients: &[f64], cues: usize) -> Vec<f64> {
+    let mut hundredths: Vec<f64> = coefficients.iter().map(|c| (100.0 * c).round()).collect();
+    for sign in signs(cues) {
+        let slopes = &mut hundredths[1..][sign];
+        let raises = slopes.iter().sum::<f64>().max(0.0);
+        slopes.last_mut().into_iter().for_each(|last| *last -= raises);
+    }
+    hundredths.into_iter().map(|c| c / 100.0).collect()
 }
 
 /// Prior of a point by its features; the last of `column` is the constant.
@@ -254,6 +273,15 @@ mod tests {
         assert!(refused.matches("learned: false, registered: false").count() == 2, "{refused}");
         let nothing = all_situations(BTreeMap::from([])).err().expect("all are missing");
         assert_eq!(nothing.to_string().matches("Situation").count(), 8);
+    }
+
+    #[test]
+    fn rounding_raises_no_sign() {
+        let general = [2.0, -1.0, 0.5, 0.004, -0.004, 0.0, 0.0];
+        assert_eq!(
+            rounded(&[&general[..], &[0.855, -0.388, -0.464]].concat(), 9),
+            [&[2.0, -1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.86, -0.39, -0.47][..]].concat()
+        );
     }
 
     #[test]

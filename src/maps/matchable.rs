@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use ndarray::{Array2, s};
+use ndarray::{Array2, ArrayView1, s};
 
 use crate::descriptors::SampledSurface;
 use crate::network::{Category, PointEmbedding};
@@ -30,6 +30,10 @@ pub struct Matchable {
 /// Cues of confidence that a network gives; p points.
 #[derive(Clone, Debug)]
 pub struct LearnedCues {
+    /// How unsure it is of each point's part: 1 less the probability of the likeliest (p).
+    pub unsure: Vec<f32>,
+    /// What it says of each point, of unit length (p, f).
+    pub features: Arc<Array2<f32>>,
     /// Probability of each group of parts that is a cue of its category (p, g).
     pub limbs: Array2<f64>,
     /// How far the place of a point on the body speaks for its match (p, 2), in log-odds beside other cues: between meshes, and where one is a cloud.
@@ -48,7 +52,20 @@ impl LearnedCues {
                 column.zip_mut_with(&embedding.parts.column(part), |sum, &p| *sum += f64::from(p));
             }
         }
-        Self { limbs, prior, category }
+        let likeliest = |row: ArrayView1<f32>| row.iter().copied().fold(0.0, f32::max);
+        let unsure = embedding.parts.rows().into_iter().map(|row| 1.0 - likeliest(row)).collect();
+        let mut features = embedding.features.clone();
+        for mut row in features.rows_mut() {
+            let length = row.dot(&row).sqrt().max(f32::MIN_POSITIVE);
+            row /= length;
+        }
+        Self { unsure, features: Arc::new(features), limbs, prior, category }
+    }
+
+    /// How differently the network speaks of point `i` here and point `j` of another body: the distance of their unit features, 0 to 2.
+    pub(crate) fn difference(&self, i: usize, other: &Self, j: usize) -> f64 {
+        let (x, y) = (self.features.row(i), other.features.row(j));
+        x.iter().zip(y).map(|(x, y)| f64::from(x - y).powi(2)).sum::<f64>().sqrt()
     }
 }
 

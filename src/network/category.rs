@@ -8,8 +8,8 @@ use super::WeightsError;
 
 /// Most parts that a category may have: labels of parts are bytes.
 const MOST_PARTS: usize = 255;
-/// Coefficients of confidence beside those of the cue limbs: a constant, three signs of a fault near and wide, and the prior.
-const COMMON: usize = 8;
+/// Cues of confidence that every category has: three signs of a fault near and wide, and two of the network's at the point, near and wide.
+pub(crate) const CUES: usize = 12;
 /// Rows of the confidence table: refined by registration or not, by clouds or meshes.
 pub(crate) const SITUATIONS: usize = 4;
 
@@ -41,10 +41,11 @@ pub struct Category {
     pub thresholds: Thresholds,
     /// Coefficients of confidence, four rows: of first maps where a cloud takes part and between meshes (whose faces agree on an
     /// outside), then the same after registration. Each has a
-    /// constant, then cycle, strain and residual, each near and wide, then one per group of `cues`, then that of the prior. Empty where none were fitted.
+    /// constant, then cycle, strain and residual, each near and wide, then how unsure the network is of the part and how differently it speaks of a point and its match, each at
+    /// the point, near and wide, then one per group of `cues`, then that of the prior. Empty where none were fitted.
     #[serde(default)]
     pub confidence: Vec<Vec<f64>>,
-    /// The same where one of the two is a piece. Empty: as between wholes.
+    /// The same where one of the two is a piece, without groups and prior. Empty: as between wholes.
     #[serde(default)]
     pub confidence_of_pieces: Vec<Vec<f64>>,
 }
@@ -152,12 +153,12 @@ impl Category {
         if !(bijectivity > 0.0 && (0.0..=1.0).contains(&certainty) && (0.0..=1.0).contains(&contact)) {
             return Err(format!("its thresholds are {:?}", self.thresholds));
         }
-        let row = COMMON + self.cues.len();
-        let complete =
-            |coefficients: &Vec<f64>| coefficients.len() == row && coefficients.iter().all(|c| c.is_finite());
-        for table in [&self.confidence, &self.confidence_of_pieces] {
+        let of_wholes = (&self.confidence, 1 + CUES + self.cues.len() + 1, "wholes");
+        for (table, row, of) in [of_wholes, (&self.confidence_of_pieces, 1 + CUES, "pieces")] {
+            let complete =
+                |coefficients: &Vec<f64>| coefficients.len() == row && coefficients.iter().all(|c| c.is_finite());
             if !(table.is_empty() || table.len() == SITUATIONS && table.iter().all(complete)) {
-                return Err(format!("confidence needs {SITUATIONS} rows of {row} numbers, or none"));
+                return Err(format!("confidence of {of} needs {SITUATIONS} rows of {row} numbers, or none"));
             }
         }
         Ok(())
@@ -250,7 +251,7 @@ mod tests {
         assert!(refused(&|c| c.groups.truncate(3)).contains("group 3 of 3"));
         assert!(refused(&|c| c.extent = Some([2.0, 1.0])).contains("extent"));
         assert!(refused(&|c| c.thresholds.certainty = f64::NAN).contains("thresholds"));
-        assert!(refused(&|c| c.confidence = vec![vec![0.0; 15]; 3]).contains("4 rows of 15"));
-        assert!(refused(&|c| c.confidence_of_pieces = vec![vec![0.0; 14]; 4]).contains("4 rows of 15"));
+        assert!(refused(&|c| c.confidence = vec![vec![0.0; 21]; 3]).contains("wholes needs 4 rows of 21"));
+        assert!(refused(&|c| c.confidence_of_pieces = vec![vec![0.0; 21]; 4]).contains("pieces needs 4 rows of 13"));
     }
 }

@@ -15,7 +15,7 @@ mod network;
 mod weights;
 
 pub use batch_norm::Statistics;
-pub(crate) use category::SITUATIONS;
+pub(crate) use category::{CUES, SITUATIONS};
 pub use category::{Category, Part, Thresholds};
 pub use config::{Encoding, InputConfig, ModelConfig, Norm, Position, Solver};
 pub use error::WeightsError;

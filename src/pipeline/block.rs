@@ -17,7 +17,7 @@ use crate::shape::{Repair, Resampled, Shape, Support};
 use crate::spectrum::SpectralBasis;
 
 /// Version of the block's layout.
-const FORMAT: &str = "geose-prepared 7";
+const FORMAT: &str = "geose-prepared 8";
 
 /// Bytes that are not a prepared shape.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -127,8 +127,8 @@ impl PreparedShape {
         }
         let text = |key: &str| metadata.get(key).ok_or_else(|| BlockError(format!("no {key}")));
         let info: Info = serde_json::from_str(text("info")?).map_err(|e| BlockError(e.to_string()))?;
-        if !(0.0..=1.0).contains(&info.reliability) {
-            return Err(fail("its reliability is no share"));
+        if !((0.0..=1.0).contains(&info.reliability) && info.share > 0.0 && info.share <= 1.0) {
+            return Err(fail("its reliability, or how much of a body it is, is no share"));
         }
         let repairs: Vec<Repair> = serde_json::from_str(text("repairs")?).map_err(|e| BlockError(e.to_string()))?;
         let block = SafeTensors::deserialize(bytes).map_err(|e| BlockError(e.to_string()))?;

@@ -9,6 +9,7 @@ use ndarray::Array1;
 
 use super::embedding::ask;
 use super::geometry::Carriers;
+use super::reliability::reliability;
 use super::scan::{STRAYS, prepare_with_carriers};
 use super::surface::used_as;
 use super::{Error, FaceUse, PrepareOptions, PreparedShape};
@@ -81,7 +82,7 @@ pub(super) async fn body_of<D: Device>(
     let (as_read, name) = (scan.shape.clone(), scan.name.clone());
     let (mut prepared, carriers, laplacian) =
         prepare_with_carriers(as_read, name, scan.options, &aside, scan.wanted, progress)?;
-    ask(model, &mut prepared, &carriers, None, 0.2..0.4, progress).await?;
+    ask(model, &mut prepared, &carriers, None, scan.options.share, 0.2..0.4, progress).await?;
     let whole_scan = cover(&prepared);
     let mut best = (prepared, carriers, laplacian);
     let mut left = 1.0;
@@ -117,18 +118,23 @@ pub(super) async fn body_of<D: Device>(
     if has_borders(used.faces()) && enough && scan.options.laplacian.is_none() && !is_clear(&best.0, SURE) {
         let options = PrepareOptions { faces: FaceUse::Ignore, ..scan.options.clone() };
         let cloud = view(model, &scan, &options, &aside, progress).await?;
-        if let Some(cloud) = cloud.filter(|cloud| is_more_of_a_body(&cloud.0, &best.0)) {
+        if let Some(cloud) = cloud.filter(|cloud| is_more_of_a_body([margin(&cloud.0), margin(&best.0)])) {
             let message = "the mesh has borders, and without its faces it looks more like a part of a body: its points were taken as a cloud";
             said.push(Repair::noted("taken-as-cloud", used.faces().len(), message.to_owned()));
             best = cloud;
         }
     }
-    best.0.repairs.extend(said);
-    if let Some(doubt) = lost_limbs(&best.0) {
-        best.0.info.reliability *= DOUBTFUL;
-        best.0.repairs.push(doubt);
+    let (mut prepared, carriers, laplacian) = best;
+    prepared.info.borders = has_borders(used.faces());
+    let (reliability, doubt) = reliability(&prepared, &carriers, &laplacian.mass);
+    prepared.info.reliability = reliability;
+    prepared.repairs.extend(doubt.into_iter().chain(said));
+    if let Some(doubt) = lost_limbs(&prepared) {
+        // A piece lacks parts as pieces do.
+        prepared.info.reliability *= if prepared.info.share < 1.0 { 1.0 } else { DOUBTFUL };
+        prepared.repairs.push(doubt);
     }
-    Ok(best)
+    Ok((prepared, carriers, laplacian))
 }
 
 /// A scan without the points `aside`, and what networks make of that; nothing where what is left is no shape.
@@ -148,14 +154,14 @@ async fn view<D: Device>(
             Err(Error::Cancelled(_)) => return Err(Cancelled { stage: Stage::Features }.into()),
             Err(_) => return Ok(None),
         };
-    ask(model, &mut prepared, &carriers, None, 0.2..0.4, &mut within).await?;
+    ask(model, &mut prepared, &carriers, None, options.share, 0.2..0.4, &mut within).await?;
     Ok(Some((prepared, carriers, laplacian)))
 }
 
-/// Whether the points of a mesh as a cloud may be a body or a piece of one, and a network is more certain of them than of the mesh: a cloud hangs together across holes.
-fn is_more_of_a_body(cloud: &PreparedShape, mesh: &PreparedShape) -> bool {
-    let margins = margin(cloud).zip(margin(mesh));
-    margins.is_some_and(|(cloud, mesh)| cloud > mesh + MORE_CERTAIN && cloud >= -NEARLY_SURE)
+/// Whether the points of a mesh as a cloud may be a body or a piece of one, and a network is more certain of them than of the mesh, by the [`margin`] of either: a cloud hangs together across
+/// holes.
+fn is_more_of_a_body([cloud, mesh]: [Option<f64>; 2]) -> bool {
+    cloud.zip(mesh).is_some_and(|(cloud, mesh)| cloud > mesh + MORE_CERTAIN && cloud >= -NEARLY_SURE)
 }
 
 /// Whether a network is more certain of one view of a scan than of another; where none is at home with either, whether what the one is without is a floor.
@@ -244,4 +250,18 @@ fn repair(Proposal { what, points, .. }: &Proposal, share: f64) -> Repair {
         _ => format!("{what}, {percent} % of the surface: what is left looks more like one body"),
     };
     Repair::noted(code, points.len(), message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_is_taken_as_a_cloud_where_a_network_is_more_and_nearly_certain_of_that() {
+        let taken = |cloud: f64, mesh: f64| is_more_of_a_body([Some(cloud), Some(mesh)]);
+        assert!(taken(0.05, 0.0) && taken(0.9 * -NEARLY_SURE, -0.2));
+        assert!(!taken(0.5 * MORE_CERTAIN, 0.0), "as certain of the mesh");
+        assert!(!taken(1.1 * -NEARLY_SURE, -0.2), "certain of neither");
+        assert!(!is_more_of_a_body([Some(0.1), None]) && !is_more_of_a_body([None, Some(-0.1)]), "nobody is asked");
+    }
 }

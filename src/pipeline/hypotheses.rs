@@ -117,7 +117,7 @@ pub(super) async fn best_maps<'a, D: Device>(
     Ok(BestMaps { refined, raw, home, by_network, contradicted, longer })
 }
 
-/// Scales A so that the match by features alone keeps lengths, and says by how much: how much of a body a piece is the network tells of each by itself, and only roughly.
+/// Scales the smaller part of a body so that the match by features alone keeps lengths, and says by how much A comes to be longer: how much of a body a piece is the network tells of each by itself, and only roughly.
 async fn to_scale<D: Device>(
     device: &D,
     [side_a, side_b]: &mut [Matchable; 2],
@@ -128,7 +128,11 @@ async fn to_scale<D: Device>(
     let (as_is, silent) = (Refinement::None, &mut Progress::silent());
     let found = refine(device, (side_a, side_b), maps.clone(), extra, constraints, as_is, silent).await?;
     let longer = relative_scale([side_a, side_b], [&found.a_to_b, &found.b_to_a]).unwrap_or(1.0);
-    side_a.points *= longer;
+    if side_a.share <= side_b.share {
+        side_a.points *= longer;
+    } else {
+        side_b.points /= longer;
+    }
     Ok(longer)
 }
 

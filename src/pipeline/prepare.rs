@@ -69,7 +69,7 @@ pub async fn prepare_with<D: Device>(
                 prepared.info.residual = apart.report.residual;
                 (prepared.basis, prepared.features, prepared.surface) = (apart.basis, apart.features, apart.surface);
                 let filter = options.part_aware_gradients.then_some(&meet as EdgeFilter);
-                ask(model, &mut prepared, &carriers, filter, 0.8..0.9, progress).await?;
+                ask(model, &mut prepared, &carriers, filter, options.share, 0.8..0.9, progress).await?;
             }
             Err(Error::Cancelled(_)) => return Err(Cancelled { stage: Stage::Features }.into()),
             // The basis that knows no parts is there and good.

@@ -41,6 +41,9 @@ pub struct Info {
     /// The share of the body's surface that the scan has: 1 unless a network took it for a piece.
     #[serde(default = "whole")]
     pub share: f64,
+    /// Whether the mesh ends somewhere, as where something was cut off or is hidden. A cloud does not say.
+    #[serde(default)]
+    pub borders: bool,
     /// How far the scan can be relied on: confidence is multiplied by it. 1 unless coordinates are too coarse or part of the surface has hardly a point.
     pub reliability: f64,
     /// The Laplacian in use.

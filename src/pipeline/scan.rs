@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::geometry::{Carriers, Geometry};
-use super::reliability::reliability;
 use super::surface::Surface;
 use super::{Error, Info, PrepareOptions, PreparedShape, ShapeKind};
 use crate::graph::components;
@@ -104,8 +103,6 @@ pub(crate) fn prepare_with_carriers(
     let geometry = Geometry::of(&carriers, kind, None, (&support, &coarse), [options.eigenpairs, wanted], progress)?;
     let Geometry { laplacian, basis, report, features, surface } = geometry;
     repairs.extend(not_proved(&report, &basis));
-    let (reliability, doubt) = reliability(as_read.points(), &carriers, &laplacian.mass);
-    repairs.extend(doubt);
 
     let info = Info {
         kind: if used_shape.faces().is_empty() { ShapeKind::Cloud } else { ShapeKind::Mesh },
@@ -118,7 +115,8 @@ pub(crate) fn prepare_with_carriers(
         up_axis: options.up.or(as_read.up()).or_else(|| longest_axis(&used)),
         scale: operators::surface_area(&carriers.shape, &laplacian, &carriers.neighbourhood).sqrt(),
         share: 1.0,
-        reliability,
+        borders: false,
+        reliability: 1.0,
         laplacian: kind,
         eigenpairs: basis.k().min(options.eigenpairs),
         residual: report.residual,

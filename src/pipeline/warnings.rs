@@ -36,7 +36,8 @@ pub(crate) fn without_network() -> Warning {
 pub(crate) fn of_shapes(a: &PreparedShape, b: &PreparedShape) -> Vec<Warning> {
     let mut warnings = Vec::new();
     for (scan, shape) in [("A", a), ("B", b)] {
-        if shape.info.pieces > 1 {
+        // One view of a body often is in fragments.
+        if shape.info.pieces > 1 && shape.info.share == 1.0 {
             let message = format!(
                 "scan {scan} is in {} pieces with gaps between them, and how they hang together is not known: close the gaps, or cut off what is no part of the body",
                 shape.info.pieces
@@ -66,14 +67,14 @@ pub(crate) fn verdict(home: &Home, without: bool, by_landmarks: bool, pieces: bo
     match (without, scores.is_of_others() || scores.is_strange() && !pieces) {
         (true, _) => {
             let message = format!(
-                "unsure: at least one of the scans is not one whole {}, and such {} are all that the network knows; a map made without it keeps lengths better and was taken; limbs or the whole body may be matched the wrong way round",
+                "unsure: at least one of the scans is no {}, and {} are all that the network knows; a map made without it keeps lengths better and was taken; limbs or the whole body may be matched the wrong way round",
                 category.one, category.name
             );
             Some(Warning::new("other-category", message))
         }
         (false, true) => {
             let message = format!(
-                "unsure: the pair is unlike those that the network was trained on (whole {}): look at the map before you trust it",
+                "unsure: the pair is unlike those that the network was trained on ({}): look at the map before you trust it",
                 category.name
             );
             Some(Warning::new("out-of-distribution", message))

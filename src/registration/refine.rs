@@ -79,7 +79,7 @@ pub(super) const CLOUD: Schedule = Schedule {
 };
 
 /// Where one of the two is a piece: no functional map goes between it and a whole, so what the network says of points stands for the spectral columns, and then where
-/// the one lies that was laid onto the other.
+/// each lies that was laid onto the other; of both only the points that come back pull (`deformation.rs`).
 pub(super) const PIECE: Schedule = Schedule {
     rounds: 10,
     basis: [60, 60],
@@ -191,7 +191,7 @@ pub(crate) struct Refined {
     pub a_to_b: Correspondence,
     /// For each point used of B its point on A.
     pub b_to_a: Correspondence,
-    /// The maps they came from.
+    /// The maps they came from; with a piece under [`Refinement::Best`], those of the last match but one.
     pub maps: MapPair,
     /// What confidence was judged by, from A to B and back.
     pub cues: [Cues; 2],
@@ -219,8 +219,8 @@ pub(crate) async fn refine<D: Device>(
         true => MESH,
         false => CLOUD,
     };
-    // What the first maps say of points.
-    let spectral_first = if piece { 0.0 } else { 1.0 };
+    // What the first maps say of points. Without a network there is nothing else to tell those of a piece by.
+    let spectral_first = if piece && extra.is_some() { 0.0 } else { 1.0 };
     let smallest = first.c_ab.nrows();
     let largest = if refinement == Refinement::None { smallest } else { a.basis.k().min(b.basis.k()) };
     let ((parts_a, parts_b), (extra_a, extra_b)) =

@@ -151,6 +151,7 @@ pub fn scan(u: &mut Unstructured) -> Result<(Scan, PrepareOptions, MatchOptions)
         laplacian: if u.arbitrary()? { None } else { Some(*u.choose(&LaplacianKind::ALL)?) },
         eigenpairs: u.int_in_range(10..=20)?,
         whole_scan: u.arbitrary()?,
+        share: if u.ratio(1, 4)? { Some(*u.choose(&[0.05, 0.5, 1.0])?) } else { None },
         ..PrepareOptions::default()
     };
     let parts = *u.choose(&[Parts::Predicted, Parts::Given, Parts::None])?;

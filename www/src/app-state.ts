@@ -42,7 +42,7 @@ export type StepName = Side | 'match';
 
 export const stepNames: readonly StepName[] = ['a', 'b', 'match'];
 
-export type ColourMode = 'correspondence' | 'confidence' | 'part' | 'eigenfunction' | 'plain';
+export type ColourMode = 'correspondence' | 'confidence' | 'overlap' | 'part' | 'eigenfunction' | 'plain';
 
 /** A point of one scan, by its index as uploaded. */
 export interface Selection {

@@ -115,7 +115,7 @@ test('a point can be found with the keyboard alone', async () => {
 
 test('every colour mode has its own picture and a legend', async () => {
   const seen = [];
-  for (const mode of ['plain', 'eigenfunction', 'part', 'confidence', 'correspondence']) {
+  for (const mode of ['plain', 'eigenfunction', 'part', 'overlap', 'confidence', 'correspondence']) {
     await page.selectOption('#colour', mode);
     if (mode !== 'plain') assert.notEqual((await page.locator('#legend').textContent()).trim(), '', mode);
     const stage = await stageOf(page);
@@ -291,10 +291,11 @@ test('a bust, a body without legs and one view of a depth camera are matched as 
     try {
       await drop(other, '#drop-a', [`${piece}.ply`, 'woman-standing.ply']);
       await matched(other);
-      const { targetOf, positions, extents } = await other.evaluate(() => {
+      const { targetOf, overlap, positions, extents } = await other.evaluate(() => {
         const { match, shapes } = window.geose;
         const positions = [...shapes[1].geometry().positions];
-        return { targetOf: [...match.targetOf], positions, extents: shapes.map(({ extent }) => extent) };
+        const extents = shapes.map(({ extent }) => extent);
+        return { targetOf: [...match.targetOf], overlap: [...match.reverse.overlap], positions, extents };
       });
       assert.match(extents[0] ?? '', /^\d+ % of a body: head/, piece);
       assert.equal(extents[1] ?? null, null, 'she is whole');
@@ -311,6 +312,16 @@ test('a bust, a body without legs and one view of a depth camera are matched as 
       const mean = apart.reduce((sum, each) => sum + each, 0) / apart.length;
       t.diagnostic(`${piece}: ${extents[0]}; ${(100 * mean).toFixed(1)} cm off`);
       assert.ok(mean < 0.06, `${piece} is ${mean} m off`);
+      // What the piece lacks has no partner on it.
+      const there = new Set(vertices);
+      const [lacking, present] = [false, true].map((wanted) => overlap.filter((_, i) => there.has(i) === wanted));
+      const share = (of) => of.filter((each) => each < 0.5).length / of.length;
+      t.diagnostic(
+        `${(100 * share(lacking)).toFixed(0)} % of what it lacks has no partner, ${(100 * share(present)).toFixed(0)} % of the rest`,
+      );
+      assert.ok(share(lacking) > 0.5 && share(present) < share(lacking) - 0.3, `${piece}: ${share(lacking)} and ${share(present)}`);
+      await other.selectOption('#colour', 'overlap');
+      assert.match(await other.locator('#legend').textContent(), /has a partner/);
     } finally {
       await other.context().close();
     }

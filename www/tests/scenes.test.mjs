@@ -69,7 +69,7 @@ describe('a body on a floor', () => {
       assert.equal(await page.locator('#aside-b').innerText(), '', 'nothing was set aside of the other scan');
       assert.equal(await page.locator('#aside-b button').isVisible(), false);
 
-      for (const mode of ['plain', 'eigenfunction', 'part', 'confidence', 'correspondence']) {
+      for (const mode of ['plain', 'eigenfunction', 'part', 'overlap', 'confidence', 'correspondence']) {
         await page.selectOption('#colour', mode);
         assert.match(await page.locator('#legend').textContent(), /grey/i, mode);
         const { colours } = readPly(await exported(page, '#export-a-ply'));

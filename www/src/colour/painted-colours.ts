@@ -40,6 +40,11 @@ function colouring(state: AppState, side: Side): Colouring {
       const { confidence, targetOf } = directionFrom(result.match, side);
       return (i) => (targetOf[i] === UNMATCHED ? unknownColour : sequential.at(confidence[i]));
     }
+    case 'overlap': {
+      if (!result) return plainly;
+      const { overlap } = directionFrom(result.match, side);
+      return (i) => sequential.at(overlap[i]);
+    }
     case 'part': {
       const parts = partsOf(scan);
       if (!parts) return unknown;

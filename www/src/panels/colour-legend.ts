@@ -47,6 +47,11 @@ function legendOf(state: AppState): Legend {
     case 'confidence':
       if (!result) return words('There is no match yet to be sure of.');
       return { kind: 'scale', ramp: sequential, marks: ['0', '0.5', '1'], words: 'Confidence of the match; grey has none.' };
+    case 'overlap': {
+      if (!result) return words('There is no match yet that bodies could overlap in.');
+      const text = 'Probability that a point has a partner on the other body: of the missing half of a piece it is 0.';
+      return { kind: 'scale', ramp: sequential, marks: ['0', '0.5', '1'], words: text };
+    }
     case 'part':
       return hasScan ? { kind: 'parts', lists: partLists(state) } : words('No scan yet, so there are no parts to show.');
     case 'eigenfunction': {
