@@ -8,7 +8,7 @@
 //!    ─confidence, lifting─▶ every uploaded point ─uses─▶ what it is for
 //! ```
 //!
-//! [`pipeline`] is that line as code and the only room that knows the order; start there. The method is the functional-map framework of the paper "GeoSe-FMap:
+//! [`pipeline`] is that line as code, from a `Shape` to the match of every uploaded point; start there. The method is the functional-map framework of the paper "GeoSe-FMap:
 //! Geometry–Semantic Functional Maps for Weakly Supervised Cross-Modal Deformable 3D Shape Correspondence"; where this crate departs from it, the place says so
 //! and why.
 //!
@@ -45,9 +45,10 @@
 //! | spectral basis Φ, λ | Sec. 3.2, step 4 | [`spectrum`] |
 //! | heat and wave kernel signatures | – | [`descriptors`] |
 //! | sampled surface: an even sampling, which samples are adjacent, normals | – | `descriptors/sampled_surface.rs` |
-//! | carriers: the points that a basis has rows for; points used: those that are matched; coarse: a farthest-point sampling of these | N of Sec. 4.1 | `shape/support.rs` |
+//! | carriers: the points that a basis has rows for; points used: those that are matched | N of Sec. 4.1 | `shape/support.rs` |
+//! | coarse: a farthest-point sampling of the points used, on which refinement works | – | `shape/sampling.rs`, chosen in `pipeline/scan.rs` |
 //! | seam, shell, resampled surface: a body in several surfaces made one | not in the paper | `shape/weld.rs`, `shape/shells.rs`, `shape/resampled.rs` |
-//! | stray, spike, placeless point; floor, furniture and other things: what is not the body | not in the paper | `shape/strays.rs`, `shape/spikes.rs`, `shape/scene.rs`; chosen in `pipeline/body.rs` |
+//! | stray, spike, placeless point; floor, furniture and other things: what is not the body | not in the paper | `shape/strays.rs`, `shape/spikes.rs`, `shape/scene.rs`; chosen in `pipeline/surface.rs`, `pipeline/scan.rs` and, with the network, `pipeline/body.rs` |
 //! | reliability: how far a scan can be relied on before it is matched | – | `pipeline/reliability.rs` |
 //! | features F, DiffusionNet | Sec. 3.3 | `network/diffusion_net.rs` |
 //! | position encoding ψ(P) | Sec. 3.3 | `network/inputs.rs`; of maps without a network `registration/initial.rs` |
@@ -60,7 +61,10 @@
 //! | out-of-distribution scores, and the verdict on them | – | `maps/learned.rs`, `pipeline/warnings.rs`; thresholds in the category |
 //! | registration: each body deformed onto the other, as rigidly as possible | – | [`registration`] |
 //! | chirality: whether a map turns a surface inside out | – | `registration/chirality.rs` |
-//! | cues, calibration, prior of a place: what confidence is made of | – | `confidence`; fitted by `evaluate/refit.rs` |
+//! | piece, share of a body's surface, extent √share | not in the paper | `pipeline/share.rs`; the head that says it in `network/network.rs` |
+//! | overlap: the probability that a point has a partner | – | `confidence/overlap.rs` |
+//! | cues, calibration: what confidence is made of | – | `confidence`; fitted by `evaluate/refit.rs` |
+//! | prior of a place: how often matches are right where a point lies, by its features | – | `network/model.rs` |
 //! | lifting: from the points used to every uploaded point | – | `lifting` |
 //! | L_geo, L_orth, L_sem and the losses beside them | Sec. 3.4 | `train/losses.rs` (feature `train`) |
 //! | average geodesic error, accuracy, part IoU | Sec. 4.2 | `evaluate`, [`uses`] |

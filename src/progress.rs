@@ -10,6 +10,7 @@ use web_time::Instant;
 /// The steps a user can wait for, in the order of the pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Stage {
     /// Bytes to a validated shape.
     Read,

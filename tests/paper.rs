@@ -19,11 +19,11 @@ use geose_fmap::train::folds::cross_validate;
 use geose_fmap::train::labelled::LabelledScans;
 use geose_fmap::train::parameters::Parameters;
 use geose_fmap::train::pool::{Maker, Pool};
-use geose_fmap::train::run::{RunConfig, train};
+use geose_fmap::train::run::{RunConfig, Schedule, train};
 use geose_fmap::train::sample::Sample;
 use geose_fmap::train::sample_config::{SampleConfig, Stand};
 use geose_fmap::train::step::{embed, embed_together};
-use geose_fmap::{MatchOptions, Matcher, Parts, PrepareOptions, Refinement, Shape, Weights};
+use geose_fmap::{LaplacianKind, MatchOptions, Matcher, Parts, PrepareOptions, Refinement, Shape, Weights};
 use ndarray::{Array2, Axis, array, s};
 use pollster::block_on;
 use rand::SeedableRng;
@@ -282,6 +282,36 @@ fn the_first_maps_are_of_120_eigenfunctions() {
     assert_eq!(match_of(&ModelConfig { map: 60, ..config }).dim(), (60, 60));
 }
 
+/// D_A = Φᵀ M F (Sec. 3.3): of a network without attention, whose rows of F have unit length.
+#[test]
+fn features_are_projected_by_mass() {
+    let matcher =
+        Matcher::with_weights([weights(&ModelConfig { attention: 0, map: 8, ..network() })]).expect("a network");
+    let options = PrepareOptions { points: 500, ..PrepareOptions::default() };
+    let [a, b] =
+        ["woman-standing.ply", "man-lunging.ply"].map(|name| matcher.prepare(scan(name), &options).expect("prepared"));
+    let options = MatchOptions { refine: Refinement::None, network_only: true, ..MatchOptions::default() };
+    let found = matcher.match_shapes(&a, &b, &options).expect("matched").c_ab.matrix;
+    let [by_mass, by_count] = [true, false].map(|by_mass| {
+        let [g_a, g_b] = [&a, &b].map(|shape| {
+            let (phi, mass, mut features) = (
+                shape.basis.eigenvectors.slice(s![.., ..8]),
+                &shape.basis.mass,
+                shape.embeddings[0].features.mapv(f64::from),
+            );
+            assert_eq!(phi.nrows(), features.nrows(), "every point is used");
+            features.rows_mut().into_iter().for_each(|mut row| row /= row.dot(&row).sqrt());
+            let even = mass.mapv(|m| if by_mass { m } else { mass.sum() / mass.len() as f64 });
+            (&phi * &even.insert_axis(Axis(1))).t().dot(&features)
+        });
+        FunctionalMap::least_squares(g_a.view(), g_b.view()).matrix
+    });
+    // Areas differ, and with them the unit of the map.
+    let unit = |map: &Array2<f64>| map / map.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let off = |map: &Array2<f64>| (unit(map) - unit(&found)).iter().map(|d| d * d).sum::<f64>().sqrt();
+    assert!(off(&by_mass) < 0.02 && off(&by_count) > 0.1, "{} {}", off(&by_mass), off(&by_count));
+}
+
 #[test]
 fn the_papers_configuration_has_all_its_elements() {
     let network = ModelConfig::paper();
@@ -291,7 +321,27 @@ fn the_papers_configuration_has_all_its_elements() {
     assert!(network.attention_layers > 1);
     let (run, samples) = (RunConfig::paper(800), SampleConfig::paper(&network));
     assert_eq!((run.batch, run.rate, run.steps * 2 * run.batch), (8, 1e-3, 100 * 800));
+    assert_eq!((run.schedule, run.warm_up, run.decay, run.maps_from), (Schedule::Halved, 0, 0.0, 0));
+    assert!(
+        run.first_bodies >= 800 && run.clip == f32::MAX && run.mirrored == 0.0,
+        "every pair may be drawn from the start, and counts as it is"
+    );
     assert_eq!((samples.points, samples.spread, samples.stand), (5000, 0.0, Stand::Alike));
+    assert_eq!((samples.laplacian, samples.pieces, samples.stylised), (Some(LaplacianKind::GeodesicLiteral), 0.0, 0.0));
+    // Sec. 3.4 and 4.1: of L_geo, L_orth and L_sem alone, as weighted there.
+    let losses = run.losses;
+    let others = [
+        losses.parts,
+        losses.bijectivity,
+        losses.orthogonality,
+        losses.coupling,
+        losses.places,
+        losses.near_weight,
+        losses.extent,
+    ];
+    assert_eq!(others, [0.0; 7]);
+    assert_eq!((losses.eigen, losses.semantic, losses.features_orthogonal), (1.0, 0.5, 50.0));
+    assert_eq!((losses.temperature, losses.semantic_temperature), (0.1, 0.1));
 }
 
 /// The label sets and meshes of the samples as a folder in the layout of `evaluate`: bodies cut down to clouds, all in the order of one template.

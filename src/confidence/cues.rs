@@ -37,7 +37,7 @@ pub(crate) struct Cues {
     pub(crate) table: Array2<f64>,
     /// Whether the body was registered onto the other, so that there are residuals.
     pub(crate) registered: bool,
-    /// Whether both bodies are meshes.
+    /// Whether both are meshes whose faces agree on an outside.
     pub(crate) meshes: bool,
     /// Whether one of them is a piece.
     pub(crate) pieces: bool,

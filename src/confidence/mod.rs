@@ -3,13 +3,17 @@
 mod calibration;
 mod cues;
 mod distortion;
+#[cfg(any(test, feature = "train"))]
+mod fit;
 mod overlap;
 
 pub(crate) use calibration::confidence;
 #[cfg(feature = "train")]
-pub(crate) use calibration::{Fit, Situation, fit_of_faults, probability, signs};
+pub(crate) use calibration::{Situation, probability};
 pub(crate) use cues::Cues;
 #[cfg(feature = "train")]
 pub(crate) use cues::GENERAL;
 pub use distortion::{relative_scale, strain, stretch};
+#[cfg(feature = "train")]
+pub(crate) use fit::{Fit, fit_of_faults, signs};
 pub(crate) use overlap::overlap;

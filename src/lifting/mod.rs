@@ -24,7 +24,7 @@ const CERTAIN: f64 = 1e-3;
 /// A scan, and which of its points took part in a match.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampled<'s> {
-    /// The scan as read.
+    /// All of its points.
     pub shape: &'s Shape,
     /// Which of its points were used.
     pub support: &'s Support,

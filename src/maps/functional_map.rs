@@ -96,8 +96,8 @@ pub(super) fn least_squares(gram: ArrayView2<f32>, right: ArrayView2<f32>) -> Ar
     }
 }
 
-/// Functions (rows, m) that are known as well as `weights` (rows) say, as the smoothest sum of the columns of Φ (rows, k) that agrees with them: where nothing is known, by what is
-/// around. `stiffness` is how much each column costs, beside the points that it is known by.
+/// Least squares for functions (rows, m) that are known only roughly: sums of the columns of Φ (rows, k) that agree with them, each row counting by its weight, while column j costs `stiffness(j)` times its
+/// coefficient's square. Rows of weight 0 get what those around them have.
 pub(crate) fn smoothed_where(
     phi: ArrayView2<f32>,
     functions: ArrayView2<f64>,

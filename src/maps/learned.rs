@@ -11,8 +11,8 @@ use crate::progress::Stage;
 /// Key points that a point of the other shape looks at.
 const KEYS: usize = 1024;
 /// Weights of features of unit length and of roots of probabilities beside spectral columns and positions.
-const FEATURES: f32 = 0.7;
-const PARTS: f32 = 0.5;
+const OF_FEATURES: f32 = 0.7;
+const OF_PARTS: f32 = 0.5;
 
 /// Out-of-distribution scores of a pair, by what a network makes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +128,7 @@ pub(crate) async fn learned_maps<D: Device>(
     };
     let extra = [(&compared[0], mask_a), (&compared[1], mask_b)].map(|(features, mask)| {
         let roots = device.upload(mask.mapv(f32::sqrt).view());
-        device.concat(&[(features, FEATURES), (&roots, PARTS)])
+        device.concat(&[(features, OF_FEATURES), (&roots, OF_PARTS)])
     });
     Ok(Learned { maps, out_of_distribution, extra })
 }

@@ -9,6 +9,7 @@ use sprs::CsMat;
 /// Ways to discretise the Laplace–Beltrami operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum LaplacianKind {
     /// Algorithm 1's graph with density-normalised weights: the default on clouds.
     Geodesic,

@@ -28,23 +28,23 @@ const A_FLOOR: f64 = 0.005;
 /// Without something that is no part of it a body lacks no more parts than before: their coverage is not less by more than this. Of fifteen views of `faust_pieces`
 /// in fragments coverage is less by 0.01 to 0.35 without some in thirteen, and more in two; without a floor, a box, a ball or another person it is more.
 const LACKS: f64 = 0.03;
-/// A part is there where a shape has this share of the area that is expected of it, and gone where it has less than that.
-const THERE: f64 = 0.5;
+/// A part is plainly there where a shape has this share of the area that is expected of it, and gone where it has less than the other.
+const PLAINLY_THERE: f64 = 0.5;
 const GONE: f64 = 0.2;
 /// With so much more of the area that is expected of its parts a view of a scan need only be as certain: a network may be as sure of a box as of a chest, but then
 /// the body has too much of that, and too little of all else (coverage 0.52 with a box behind, 0.84 with a ball before a hand, 0.98 without).
 const MORE_COVERED: f64 = 0.05;
-/// A mesh with borders is looked at as a cloud, too, unless a network is more certain of it than its category asks for by this part of what there is to 1. Worked out from
+/// A mesh with borders is looked at as a cloud, too, unless a network is clear about it: more certain than the category's threshold by this part of the way from there to 1. Worked out from
 /// matches as meshes and as clouds, with a quarter taken so, errors of 48 pairs with held-out pieces go from 19.2 to 15.9 with version 6 of the weights; measured, those of 120 of
 /// `faust_pieces` from 6.1 to 4.9. The border of a hole is nothing that a body has.
 const SURE: f64 = 0.5;
-/// By so much less certain of it than its category asks for a network may then be.
+/// Of that cloud the network may be less certain than the category's threshold by this much.
 const NEARLY_SURE: f64 = 0.06;
 /// The network that ships learned from clouds of 1100 points and more. Of fewer it may be certain by chance, as of a wavy grid of 144.
 const FEWEST: usize = 1000;
 /// Where no network is at home, a plane with at least this share of the area that all else lies on one side of is a floor all the same.
 const FLOOR: f64 = 0.15;
-/// No loose piece is looked for where a network is more certain than its category asks for by this part of what there is to 1.
+/// No loose piece is looked for where a network is clear about the body: by this part of the way from the category's threshold to 1.
 const CLEAR: f64 = 2.0 / 3.0;
 /// Fewer strays are dirt, and no part of a body.
 const LEFT_OF_A_LIMB: usize = 8;
@@ -179,7 +179,7 @@ fn is_better(one: &PreparedShape, other: &PreparedShape, without: &Proposal) -> 
     }
 }
 
-/// Whether a network is more certain of a shape than its category asks for by this part of what there is to 1, or none knows others.
+/// Whether a network is more certain of a shape than the category's threshold by this part of the way from there to 1, or none knows others.
 fn is_clear(shape: &PreparedShape, by: f64) -> bool {
     let asked = shape.embeddings.first().map(|embedding| embedding.category.thresholds.certainty);
     margin(shape).zip(asked).is_none_or(|(margin, asked)| margin >= by * (1.0 - asked))
@@ -232,7 +232,7 @@ fn lost_limbs(shape: &PreparedShape) -> Option<Repair> {
 fn lacks_parts_of(one: &PreparedShape, whole_scan: &[f64], without: &Proposal) -> bool {
     let now = cover(one);
     without.what == LeftOut::OtherThings
-        && now.iter().zip(whole_scan).any(|(&now, &before)| before >= THERE && now < GONE)
+        && now.iter().zip(whole_scan).any(|(&now, &before)| before >= PLAINLY_THERE && now < GONE)
 }
 
 fn repair(Proposal { what, points, .. }: &Proposal, share: f64) -> Repair {

@@ -52,6 +52,7 @@ pub struct GpuUse {
 
 /// Why the device that was insisted on is not there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DeviceError {
     /// This build has the CPU only.
     #[error("this build has no WebGPU device: use 'auto' or 'cpu'")]

@@ -2,29 +2,16 @@
 
 use std::ops::Range;
 
-use ndarray::{Array2, Axis, s};
+use ndarray::{Array2, s};
 
 use super::geometry::Carriers;
-use super::options::LEAST;
+use super::share::{certainty, guesses, is_piece, share_of_extent};
 use super::{Error, PreparedShape};
 use crate::device::{Cpu, Device, Interrupted, still_well};
 use crate::network::{InputConfig, Model, PointEmbedding, ShapeInputs, TrainedNetwork};
 use crate::operators::{EdgeFilter, Gradient, gradient_around};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::shape::is_closed;
-
-/// A shape with this share of a body's surface is taken for a whole one.
-const NEARLY_WHOLE: f64 = 0.85;
-/// What a piece is looked at as: so many times what it is taken for as if it were whole. The most certain look counts. On 48 held-out pieces of five kinds (cuts, few and many holes, single views, boxes) 73, 89,
-/// 71, 67 and 82 % of points had the right of 14 parts when the first guess was believed, 72, 86, 81, 83 and 95 % when it was taken only where that made the network more certain, and with these guesses
-/// 77, 87, 82, 85 and 96 %.
-const GUESSES: [f64; 5] = [1.0, 0.5, 0.7, 1.4, 2.0];
-/// Of the certainty that a category asks of a shape, a piece needs this share: it has fewer marks to be known by. On 48 held-out pieces certainty was 0.69 to 0.97, on one of them
-/// below 0.75; heaps of eggs that were taken for half a person had 0.73.
-const OF_PIECES: f64 = 0.85;
-/// Of the area that a body has of a part, a shape on which it is there has more than this share; and the parts that are there have on a body this share of the shape's at the least.
-const THERE: f64 = 0.1;
-const LARGEST: f64 = 0.5;
 
 /// What the networks make of a shape, within a range of the stage: first that of the category that the shape is most at home with. Where it is not `known` how much of a body it is, it is looked
 /// at as if it were whole, and a piece then as about as much of a body as it is taken for.
@@ -59,8 +46,7 @@ pub(super) async fn ask<D: Device>(
         let piece = if piece < 1.0 && is_closed(carriers.shape.faces()) { 1.0 } else { piece };
         let mut closest: Option<(PointEmbedding, f64)> = None;
         if piece < 1.0 {
-            // As whole it was seen before.
-            for guess in GUESSES.map(|factor| factor * piece).into_iter().filter(|&guess| guess < 1.0) {
+            for guess in guesses(piece) {
                 prepared.take_for_piece(guess);
                 let closer = look(model, index, prepared, &gradient).await?;
                 if certainty(&closer.0) > certainty(closest.as_ref().map_or(&whole, |(embedding, _)| embedding)) {
@@ -101,21 +87,7 @@ async fn look<D: Device>(
     if !embedding.is_finite() {
         return Err(Error::NotFinite { what: "what the network says of a scan".to_owned() });
     }
-    let piece = extent.map_or(1.0, |extent| f64::from(extent * extent));
-    Ok((embedding, if piece < NEARLY_WHOLE { piece.max(LEAST) } else { 1.0 }))
-}
-
-/// Whether a shape may be that much of the surface of a body: its parts are certain enough, and those that are there at all make up for it. What is none of the category is no piece of it.
-fn is_piece(embedding: &PointEmbedding, share: f64) -> bool {
-    let category = &embedding.category;
-    let parts = embedding.parts.mean_axis(Axis(0)).unwrap_or_default();
-    let there = category
-        .parts
-        .iter()
-        .zip(&parts)
-        .filter(|(part, of_points)| f64::from(**of_points) * share > THERE * part.area);
-    let most: f64 = there.map(|(part, _)| part.area).sum();
-    share < 1.0 && certainty(embedding) >= OF_PIECES * category.thresholds.certainty && most >= LARGEST * share
+    Ok((embedding, extent.map_or(1.0, share_of_extent)))
 }
 
 /// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
@@ -128,11 +100,6 @@ fn rank(embedding: &PointEmbedding) -> (u8, f64) {
         (true, false) => 2,
     };
     (place, margin)
-}
-
-/// How certain a network is of the parts of a shape, every point counting the same.
-fn certainty(embedding: &PointEmbedding) -> f64 {
-    embedding.certainty(std::iter::repeat(1.0 / embedding.parts.nrows().max(1) as f64))
 }
 
 async fn embed<D: Device>(

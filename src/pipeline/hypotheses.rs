@@ -117,7 +117,7 @@ pub(super) async fn best_maps<'a, D: Device>(
     Ok(BestMaps { refined, raw, home, by_network, contradicted, longer })
 }
 
-/// Scales the smaller part of a body so that the match by features alone keeps lengths, and says by how much A comes to be longer: how much of a body a piece is the network tells of each by itself, and only roughly.
+/// Scales the smaller of two pieces so that the match by features alone keeps lengths, and returns the factor by which lengths of A grow: the shares that the network gives each piece by itself are only rough.
 async fn to_scale<D: Device>(
     device: &D,
     [side_a, side_b]: &mut [Matchable; 2],

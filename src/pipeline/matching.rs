@@ -18,13 +18,14 @@ use crate::network::{Model, PointEmbedding, TrainedNetwork, WeightsId};
 use crate::progress::{Progress, Stage};
 use crate::registration::{Constraints, Refined, sampled_at};
 
-/// A point is left without a partner where its probability to have one is lower: nine in ten like it are alone, and one that is wrongly left so has lost its place, which
-/// a low confidence would have told as well. Of pieces matched to pieces (12 pairs with seeds from 800201) 75 % of points alone are left so on meshes and 73 % on clouds, and 11 and 16 % of the others, most of
+/// A point is left without a partner where its probability to have one is lower: nine in ten like it are alone. A higher bound would take the place of more points that have a partner, and of these
+/// a low confidence tells already. Of pieces matched to pieces (12 pairs with seeds from 800201) 75 % of points alone are left so on meshes and 73 % on clouds, and 11 and 16 % of the others, most of
 /// which would go astray; at 0.2 it is 82 and 81 %, and 17 and 22 %.
 const ALONE: f32 = 0.1;
 
 /// Two scans matched.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Match {
     /// For each uploaded point of A its point on B.
     pub a_to_b: Correspondence,
@@ -71,6 +72,7 @@ pub struct Scale {
 /// How a ratio of scales was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum ScaleSource {
     /// Both are whole: by their areas.
     Areas,

@@ -18,6 +18,7 @@ mod prepared;
 mod processor;
 mod reliability;
 mod scan;
+mod share;
 mod surface;
 mod thinned;
 mod warnings;

@@ -114,6 +114,7 @@ pub struct MatchOptions {
 /// Where part labels come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Parts {
     /// Predicted by the network, as a soft mask.
     #[default]

@@ -60,7 +60,7 @@ pub async fn prepare_with<D: Device>(
         match apart {
             Ok(apart) => {
                 let message = format!(
-                    "{} of neighbours join parts of the body that do not meet, as where a hand rests on a hip: they were told apart",
+                    "{} of neighbours join parts of the body that do not meet, as where limbs touch: they were told apart",
                     counted(edges, "pair", "pairs")
                 );
                 prepared.repairs.retain(|repair| repair.code != NOT_PROVED);

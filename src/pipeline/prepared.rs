@@ -19,6 +19,7 @@ use crate::vector::{cross, dot, minus};
 /// What was found about a scan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
+#[non_exhaustive]
 pub struct Info {
     /// `"mesh"` or `"cloud"`, as it was used.
     pub kind: ShapeKind,

@@ -28,8 +28,8 @@ pub(super) fn not_proved(report: &SpectrumReport, basis: &SpectralBasis) -> Opti
     (!report.complete).then(|| Repair::noted(NOT_PROVED, basis.k(), message.to_owned()))
 }
 
-/// All of [`prepare`] but the network, the carriers that operators were built on, and their Laplacian. It does without the points `aside`. The basis has `wanted` eigenpairs where fewer were asked for; memory for those
-/// that were must be there, for the others it is nice to have.
+/// The steps of [`prepare`] before the network, without the points `aside`. Returns what is prepared so far, the carriers that operators were built on, and their Laplacian. The basis has `wanted` eigenpairs
+/// where fewer were asked for and memory allows; without memory for those that were asked for it fails.
 pub(crate) fn prepare_with_carriers(
     shape: Shape,
     name: Option<String>,

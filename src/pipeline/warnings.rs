@@ -106,9 +106,9 @@ pub(crate) fn of_map(stretch: f64, confidence: &[f32]) -> Vec<Warning> {
 
 /// A map that takes the point of a landmark farther than this from its partner, in √area of the other body, goes elsewhere. Of 30 pairs of held-out people
 /// none of 240 true landmarks was doubted, by this or by parts, and 59 of 60 that joined two places taken at random were.
-const AWAY: f64 = 0.1;
+const ELSEWHERE: f64 = 0.1;
 /// The same in distances between neighbouring points, where few were used.
-const AWAY_POINTS: f64 = 2.0;
+const ELSEWHERE_POINTS: f64 = 2.0;
 /// Below this probability of being of one part two points are of two.
 const OF_ONE_PART: f32 = 0.05;
 
@@ -121,8 +121,8 @@ pub(crate) fn contradicted(
     predicted: Option<[&PointEmbedding; 2]>,
 ) -> Vec<Warning> {
     let elsewhere = |to: &PreparedShape, found: u32, wanted: u32| {
-        let spacing = AWAY_POINTS / (to.points_used() as f64).sqrt();
-        found != UNMATCHED && apart(to.shape.points(), found, wanted) > AWAY.max(spacing) * to.info.scale
+        let spacing = ELSEWHERE_POINTS / (to.points_used() as f64).sqrt();
+        found != UNMATCHED && apart(to.shape.points(), found, wanted) > ELSEWHERE.max(spacing) * to.info.scale
     };
     let of_two_parts = |i: u32, j: u32| {
         let Some([of_a, of_b]) = predicted else { return false };

@@ -8,6 +8,7 @@ use super::{stl, table};
 
 /// File formats that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Format {
     /// Object File Format, text.
     Off,

@@ -17,6 +17,7 @@ use crate::progress::{Progress, Stage};
 /// How far a match is polished.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Refinement {
     /// The first functional maps as they are, nearest neighbours over spectral coordinates and learned features.
     None,
@@ -67,7 +68,7 @@ pub(super) const MESH: Schedule = Schedule {
     extra: [1.0, 0.3],
 };
 
-/// Where one of the two is a cloud: 10 to 15 rounds would gain 0.02 to 0.03 of 3.03 there (12 pairs).
+/// Where one of the two is a cloud, or a mesh whose faces agree on no outside: 10 to 15 rounds would gain 0.02 to 0.03 of 3.03 there (12 pairs).
 pub(super) const CLOUD: Schedule = Schedule {
     rounds: 7,
     basis: [60, usize::MAX],

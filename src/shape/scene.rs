@@ -53,14 +53,14 @@ pub struct Proposal {
     pub share: f64,
 }
 
-/// Points that an operator does without, ascending; copies of them need not be named.
+/// What operators do without, and what they keep against the rule for strays: points, ascending; copies of them need not be named.
 #[derive(Clone, Debug, Default)]
 pub struct Aside {
     /// Those of other things: matched with nothing, but where they touch the body.
     pub others: Vec<u32>,
     /// Those of garments: matched like the part of the body that they hang around.
     pub garments: Vec<u32>,
-    /// Not aside but kept: those of parts that are sampled so thinly that they were taken for strays.
+    /// Kept: those of parts that are sampled so thinly that they would be taken for strays.
     pub thin_parts: Vec<u32>,
 }
 

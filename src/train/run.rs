@@ -63,6 +63,8 @@ pub struct RunConfig {
     pub clip: f32,
     /// Step from which functional maps count.
     pub maps_from: usize,
+    /// Bodies that the first steps draw from; one more every second step, so that training need not wait for all of them to be made.
+    pub first_bodies: usize,
     /// What is minimised.
     pub losses: LossWeights,
     /// Share of scans that are seen mirrored, for networks that see no coordinates.
@@ -96,6 +98,7 @@ impl Default for RunConfig {
             decay: 1e-4,
             clip: 1.0,
             maps_from: 300,
+            first_bodies: 300,
             losses: LossWeights::default(),
             mirrored: 0.5,
             seed: 1,
@@ -117,6 +120,7 @@ impl RunConfig {
             decay: 0.0,
             clip: f32::MAX,
             maps_from: 0,
+            first_bodies: usize::MAX,
             name: "paper".to_owned(),
             losses: LossWeights::paper(),
             mirrored: 0.0,
@@ -179,8 +183,7 @@ const MEANS: [&str; 12] = [
     "same part",
     "gradient",
 ];
-/// Bodies that the first steps draw from, and steps that add one: training need not wait for all of them to be made.
-const FIRST_BODIES: usize = 300;
+/// Steps after which one body more is drawn from.
 const STEPS_PER_BODY: usize = 2;
 
 /// Trains in `folder`, which holds `state.safetensors` to resume from, `log.csv`, and at the end `weights.safetensors` (f16). `start` are
@@ -242,7 +245,7 @@ pub fn train(
         pool.check()?;
         let mut rng = ChaCha8Rng::seed_from_u64(run.seed);
         rng.set_stream(1 + step as u64);
-        let bodies = pool.count.min(FIRST_BODIES + step / STEPS_PER_BODY);
+        let bodies = pool.count.min(run.first_bodies.saturating_add(step / STEPS_PER_BODY));
         let mut total = None;
         let mut samples = Vec::with_capacity(2 * run.batch);
         for _ in 0..2 * run.batch {
@@ -364,5 +367,23 @@ impl Log {
         let told: String = known.map(|(name, mean)| format!(",{name}={mean}")).collect();
         println!("step={step},rate={rate:.2e},seconds={seconds:.0}{told}");
         writeln!(self.file, "{step},{rate:.2e},{seconds:.0},{}", means.join(","))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_rate_is_halved_once_and_at_once() {
+        let run = RunConfig::paper(800);
+        let rates = [0.0, 0.49, 0.51, 0.99].map(|done| run.rate_at((done * run.steps as f32) as usize, done));
+        assert_eq!(rates, [1e-3, 1e-3, 5e-4, 5e-4]);
+        let ours = RunConfig::default();
+        assert!(
+            ours.rate_at(0, 0.0) < 0.1 * ours.rate
+                && ours.rate_at(1000, 0.5) < 0.6 * ours.rate
+                && ours.rate_at(19_999, 1.0) < 1e-6
+        );
     }
 }

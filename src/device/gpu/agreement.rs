@@ -28,7 +28,7 @@ impl Agreement {
 const COLUMNS: usize = 37;
 const WIDE: usize = 131;
 const UNKNOWNS: usize = 21;
-const PARTS: usize = 5;
+const PART_COUNT: usize = 5;
 /// As many keys as matching uses, less one.
 const KEYS: usize = 1023;
 /// Rows of a product that is shared out.
@@ -52,11 +52,11 @@ impl Numbers {
 
     /// Rows that sum to 1; every third is certain of its part.
     fn probabilities(&mut self, rows: usize) -> Array2<f32> {
-        let mut parts = self.matrix(rows, PARTS, 1.0).mapv_into(f32::abs);
+        let mut parts = self.matrix(rows, PART_COUNT, 1.0).mapv_into(f32::abs);
         for (i, mut row) in parts.rows_mut().into_iter().enumerate() {
             if i % 3 == 0 {
                 row.fill(0.0);
-                row[i % PARTS] = 1.0;
+                row[i % PART_COUNT] = 1.0;
             }
             let sum = row.sum();
             row /= sum;
@@ -71,7 +71,7 @@ fn labels(rows: usize, alone: u32) -> Vec<u32> {
         .map(|i| match i {
             0 => 99,
             1 => alone,
-            _ => (i * i % PARTS) as u32,
+            _ => (i * i % PART_COUNT) as u32,
         })
         .collect()
 }
