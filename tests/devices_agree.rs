@@ -44,7 +44,7 @@ fn agrees(gpu: &Gpu, rows: usize, scale: f32) {
 fn every_kernel_agrees_with_the_cpu_at_every_size() {
     let gpu = gpu();
     println!("{:?}", gpu.info());
-    for rows in [1, 2, 63, 64, 65, 257, 4999] {
+    for rows in [1, 2, 63, 64, 65, 257, 1999] {
         agrees(&gpu, rows, 1.0);
     }
 }
@@ -208,7 +208,7 @@ fn the_network_says_the_same_and_nothing_comes_back_in_between() {
     let gpu = gpu();
     let weights = Model::embedded().networks()[0].weights();
     let config = ModelConfig { attention: 64, ..weights.config.clone() };
-    let points = 5000;
+    let points = 2000;
     let inputs = inputs(points);
     let parts = Array2::from_elem((points, 14), 1.0 / 14.0);
     let keys: Vec<u32> = (0..1024).collect();
