@@ -49,7 +49,7 @@ function legendOf(state: AppState): Legend {
       return { kind: 'scale', ramp: sequential, marks: ['0', '0.5', '1'], words: 'Confidence of the match; grey has none.' };
     case 'overlap': {
       if (!result) return words('There is no match yet that bodies could overlap in.');
-      const text = 'Probability that a point has a partner on the other body: of the missing half of a piece it is 0.';
+      const text = 'Probability that a point has a partner on the other body: near 0 where the other scan lacks it.';
       return { kind: 'scale', ramp: sequential, marks: ['0', '0.5', '1'], words: text };
     }
     case 'part':
