@@ -46,7 +46,7 @@
 //! | heat and wave kernel signatures | – | [`descriptors`] |
 //! | sampled surface: an even sampling, which samples are adjacent, normals | – | `descriptors/sampled_surface.rs` |
 //! | carriers: the points that a basis has rows for; points used: those that are matched | N of Sec. 4.1 | `shape/support.rs` |
-//! | coarse: a farthest-point sampling of the points used, on which refinement works | – | `shape/sampling.rs`, chosen in `pipeline/scan.rs` |
+//! | coarse: a farthest-point sampling of the points used, on which refinement works | – | `shape/sample.rs`, chosen in `pipeline/scan.rs` |
 //! | seam, shell, resampled surface: a body in several surfaces made one | not in the paper | `shape/weld.rs`, `shape/shells.rs`, `shape/resampled.rs` |
 //! | stray, spike, placeless point; floor, furniture and other things: what is not the body | not in the paper | `shape/strays.rs`, `shape/spikes.rs`, `shape/scene.rs`; chosen in `pipeline/surface.rs`, `pipeline/scan.rs` and, with the network, `pipeline/body.rs` |
 //! | reliability: how far a scan can be relied on before it is matched | – | `pipeline/reliability.rs` |

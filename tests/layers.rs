@@ -124,6 +124,16 @@ fn no_file_uses_a_room_above_its_own() {
     assert!(up.is_empty(), "{}", up.join("\n"));
 }
 
+/// Whoever looks a word up finds the file.
+#[test]
+fn the_files_that_the_glossary_names_are_there() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let text = fs::read_to_string(src.join("lib.rs")).expect("text");
+    let named: Vec<&str> = text.split('`').filter(|name| name.ends_with(".rs") && !name.contains(' ')).collect();
+    let missing: Vec<&&str> = named.iter().filter(|name| !src.join(name).is_file()).collect();
+    assert!(named.len() > 25 && missing.is_empty(), "{} named, missing {missing:?}", named.len());
+}
+
 /// One idea a file. The generator of bodies in the trainer is tables of a body.
 #[test]
 fn no_file_has_more_than_400_lines() {

@@ -109,7 +109,9 @@ fn a_turned_bust_and_another_body_are_matched_either_way_round() {
     let (of_woman, of_man) = (labels(&woman), labels(&man));
     let of_bust: Vec<u32> = kept.iter().map(|&v| of_woman[v as usize]).collect();
     let matcher = Matcher::new();
-    let [a, b] = [Shape::new(turned, Vec::new(), None).expect("a cloud"), man].map(|shape| prepared(&matcher, shape));
+    let cloud = man.clone().without_faces();
+    let [a, b, cloud] =
+        [Shape::new(turned, Vec::new(), None).expect("a cloud"), man, cloud].map(|shape| prepared(&matcher, shape));
     assert!(a.info.share < 0.8 && b.info.share == 1.0, "{} {}", a.info.share, b.info.share);
     for (first, second) in [(&a, &b), (&b, &a)] {
         let matched = matcher.match_shapes(first, second, &MatchOptions::default()).expect("matched");
@@ -122,6 +124,15 @@ fn a_turned_bust_and_another_body_are_matched_either_way_round() {
         let codes: Vec<&str> = matched.warnings.iter().map(|warning| &*warning.code).collect();
         assert!(codes.is_empty(), "whoever is first, what has no partner is no reason for doubt: {codes:?}");
     }
+    // A mesh without borders lacks nothing; of a cloud that looks whole that is likely, and not certain.
+    assert_eq!(cloud.info.share, 1.0);
+    let [of_mesh, of_cloud] = [&b, &cloud].map(|whole| {
+        let matched = matcher.match_shapes(&a, whole, &MatchOptions::default()).expect("matched");
+        let left = matched.a_to_b.target.iter().filter(|&&target| target == UNMATCHED).count();
+        (matched.overlap[0].iter().filter(|&&overlap| overlap < 1.0).count(), left as f64 / kept.len() as f64)
+    });
+    assert_eq!(of_mesh, (0, 0.0));
+    assert!(of_cloud.0 > 0 && of_cloud.1 < 0.05, "{of_cloud:?}");
 }
 
 #[test]

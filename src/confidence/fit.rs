@@ -86,6 +86,9 @@ pub(crate) fn fit_of_faults(
                 *last = 0.0;
             }
         });
+        if !found.converged() {
+            return found;
+        }
         let slopes = &mut found.coefficients[1..];
         for fault in &held {
             let [differences @ .., last] = &mut slopes[fault.clone()] else { continue };
@@ -95,7 +98,6 @@ pub(crate) fn fit_of_faults(
         let most = (0..free.len()).max_by(|&one, &other| raises(&free[one]).total_cmp(&raises(&free[other])));
         let wrong = held.iter().position(|fault| slopes[fault.start] > 0.0);
         match (wrong, most.filter(|&most| raises(&free[most]) > 0.0)) {
-            _ if found.last_step >= STILL || found.last_step.is_nan() => return found,
             (Some(wrong), _) => left_out.push(held.swap_remove(wrong)),
             (None, Some(most)) => held.push(free.swap_remove(most)),
             (None, None) => return found,

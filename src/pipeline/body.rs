@@ -12,7 +12,7 @@ use super::geometry::Carriers;
 use super::reliability::reliability;
 use super::scan::{STRAYS, prepare_with_carriers};
 use super::surface::used_as;
-use super::{Error, FaceUse, PrepareOptions, PreparedShape};
+use super::{Error, FaceUse, PrepareOptions, PreparedShape, share};
 use crate::device::Device;
 use crate::network::Model;
 use crate::operators::Laplacian;
@@ -187,9 +187,7 @@ fn is_clear(shape: &PreparedShape, by: f64) -> bool {
 
 /// By how much the network that is most at home with a shape is more certain of its parts than it asks for; nothing where none knows others.
 fn margin(shape: &PreparedShape) -> Option<f64> {
-    let embedding = shape.embeddings.first().filter(|embedding| embedding.category.knows_others())?;
-    let share = 1.0 / embedding.parts.nrows().max(1) as f64;
-    Some(embedding.certainty(std::iter::repeat(share)) - embedding.category.thresholds.certainty)
+    shape.embeddings.first().filter(|embedding| embedding.category.knows_others()).map(share::margin)
 }
 
 /// How much of the area that its category expects of each part a shape has, at most 1 of each.

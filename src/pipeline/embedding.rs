@@ -5,7 +5,7 @@ use std::ops::Range;
 use ndarray::{Array2, s};
 
 use super::geometry::Carriers;
-use super::share::{certainty, guesses, is_piece, share_of_extent};
+use super::share::{certainty, guesses, is_piece, margin, share_of_extent};
 use super::{Error, PreparedShape};
 use crate::device::{Cpu, Device, Interrupted, still_well};
 use crate::network::{InputConfig, Model, PointEmbedding, ShapeInputs, TrainedNetwork};
@@ -93,7 +93,7 @@ async fn look<D: Device>(
 /// Categories that know others and are at home with the shape come first, then those that know none, then those that are not at home; and by how much the
 /// parts of the shape are more certain than the category asks for.
 fn rank(embedding: &PointEmbedding) -> (u8, f64) {
-    let margin = certainty(embedding) - embedding.category.thresholds.certainty;
+    let margin = margin(embedding);
     let place = match (embedding.category.knows_others(), margin >= 0.0) {
         (true, true) => 0,
         (false, _) => 1,

@@ -1,4 +1,4 @@
-//! The method, in order. The only room that knows it: [`prepare`] takes a scan to what can be matched, [`match_shapes`] two of these to a correspondence.
+//! The method, in order: [`prepare`] takes a scan to what can be matched, [`match_shapes`] two of these to a correspondence.
 
 mod block;
 mod body;

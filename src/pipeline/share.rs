@@ -43,6 +43,11 @@ pub(super) fn is_piece(embedding: &PointEmbedding, share: f64) -> bool {
     share < 1.0 && certainty(embedding) >= OF_PIECES * category.thresholds.certainty && most >= EXPLAINED * share
 }
 
+/// By how much a network is more certain of the parts of a shape than its category asks for.
+pub(super) fn margin(embedding: &PointEmbedding) -> f64 {
+    certainty(embedding) - embedding.category.thresholds.certainty
+}
+
 /// How certain a network is of the parts of a shape, every point counting the same.
 pub(super) fn certainty(embedding: &PointEmbedding) -> f64 {
     embedding.certainty(std::iter::repeat(1.0 / embedding.parts.nrows().max(1) as f64))

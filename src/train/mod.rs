@@ -10,6 +10,7 @@ pub mod losses;
 pub mod parameters;
 pub mod pool;
 pub mod run;
+mod run_config;
 pub mod sample;
 pub mod sample_config;
 pub mod step;
