@@ -52,3 +52,16 @@ pub(super) fn margin(embedding: &PointEmbedding) -> f64 {
 pub(super) fn certainty(embedding: &PointEmbedding) -> f64 {
     embedding.certainty(std::iter::repeat(1.0 / embedding.parts.nrows().max(1) as f64))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lacks_a_tenth_of_a_body_is_a_piece_and_what_lacks_a_twentieth_is_whole() {
+        let share = |of_body: f32| share_of_extent(of_body.sqrt());
+        assert!((share(0.9) - 0.9).abs() < 1e-6, "a piece has the share that is said of it");
+        assert_eq!((share(0.95), share(1.1)), (1.0, 1.0), "wholes");
+        assert_eq!(share(0.0), LEAST, "nothing is no share");
+    }
+}
